@@ -16,9 +16,9 @@
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/process/worker.h"
-#include "libslam/study/sweep_brief.h"
 #include "libslam/study/sweep_gate.h"
-#include "libslam/study/sweep_merge.h"
+#include "libslam/summary/sweep_brief.h"
+#include "libslam/summary/sweep_merge.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/sweep/submit.h"
 #include "libslam/sweep/sweep.h"
@@ -103,17 +103,18 @@ constexpr std::size_t kMostLines = 20;
 
 /// Before hours of work, what is wrong with the baseline's file.
 void requireUsableGate(const Context& context, const GateFlags& flags, const sweep::SweepPlan& plan) {
-  slam::apps::requireUsableGate(context, flags, study::scoresOf(plan, study::SweepResults(plan.runs.size())));
+  slam::apps::requireUsableGate(context, flags,
+                                study::scoresOf(plan, summary::SweepResults(plan.runs.size())));
 }
 
 /// 6 where runs are missing; where they failed too, unless a baseline says what may fail.
-int exitCode(const study::MergedSweep& merged, const GateResult& gate) {
+int exitCode(const summary::MergedSweep& merged, const GateResult& gate) {
   if (gate.exit_code != 0) return gate.exit_code;
   const bool whole = merged.missing.empty() && (merged.failed == 0 || gate.table);
   return static_cast<int>(whole ? core::ExitCode::kOk : core::ExitCode::kCellsFailed);
 }
 
-int reportMerged(const Context& context, const GateFlags& flags, const study::MergedSweep& merged,
+int reportMerged(const Context& context, const GateFlags& flags, const summary::MergedSweep& merged,
                  const std::string& folder) {
   for (std::size_t i = 0; i < std::min(merged.missing.size(), kMostLines); ++i)
     std::fprintf(stderr, "rasterslam: %s\n", merged.missing[i].c_str());
@@ -139,7 +140,7 @@ int reportMerged(const Context& context, const GateFlags& flags, const study::Me
     if (gate.table) json["gate"] = parsed(*gate.table);
     std::cout << json.dump(2) << "\n";
   } else {
-    const auto brief = study::briefOf(merged.plan, {merged.summary, merged.full_summary});
+    const auto brief = summary::briefOf(merged.plan, {merged.summary, merged.full_summary});
     std::cout << tableText(brief.overall) << "\n";
     if (!brief.worst.rows.empty()) std::cout << tableText(brief.worst) << "\n";
     std::cout << tableText(merged.costs) << "\n";
@@ -151,13 +152,13 @@ int reportMerged(const Context& context, const GateFlags& flags, const study::Me
 }
 
 int merge(const Context& context, const Arguments& arguments) {
-  study::MergeRequest request;
+  summary::MergeRequest request;
   for (const auto& folder : arguments.folders)
     request.folders.push_back(std::filesystem::path(folder).lexically_normal().string());
   request.output = context.output.empty() ? request.folders.front() : context.output;
   request.check_bytes = arguments.check;
   ConsoleProgress progress(true);
-  const auto merged = study::mergeSweep(request, context.manifest(), progress);
+  const auto merged = summary::mergeSweep(request, context.manifest(), progress);
   return reportMerged(context, arguments.gate, merged, request.output);
 }
 
@@ -166,7 +167,7 @@ int submit(const Context& context, const Arguments& arguments) {
   const auto script =
       sweep::writeSubmission(sweep, requestOf(context, arguments), arguments.submission, context.manifest());
   if (!arguments.go) {
-    std::printf("next: sh %s\n", core::shellQuoted({script}).c_str());
+    std::printf("next: sh %s\n", resources::shellQuoted({script}).c_str());
     return 0;
   }
   ConsoleProgress progress(true);
@@ -185,17 +186,17 @@ int bench(const Context& context, const Arguments& arguments) {
   requireUsableGate(context, arguments.gate, sweep.plan);
   ConsoleProgress progress(context.quiet), cell_progress(true);
   request.cell_progress = &cell_progress;
-  study::MergeRequest whole;
+  summary::MergeRequest whole;
   whole.folders = {request.output};
   whole.output = request.output;
   try {
     describe(context, sweep::sweep(sweep, request, context.manifest(), progress));
   } catch (const core::Interrupted&) {
-    study::mergeSweep(whole, context.manifest(), core::silentProgress());
+    summary::mergeSweep(whole, context.manifest(), core::silentProgress());
     note(context, "the tables in " + request.output + " hold what is done");
     throw;
   }
-  const auto merged = study::mergeSweep(whole, context.manifest(), core::silentProgress());
+  const auto merged = summary::mergeSweep(whole, context.manifest(), core::silentProgress());
   return reportMerged(context, arguments.gate, merged, request.output);
 }
 

@@ -17,12 +17,12 @@ struct Arguments {
   std::string log, lidar;
 };
 
-ordered_json toJson(const doctor::Estimate& estimate, double factor = 1) {
+ordered_json toJson(const calibration::Estimate& estimate, double factor = 1) {
   return {
       {"value", estimate.value * factor}, {"low", estimate.low * factor}, {"high", estimate.high * factor}};
 }
 
-ordered_json toJson(const doctor::StreamFigures& stream) {
+ordered_json toJson(const calibration::StreamFigures& stream) {
   auto gaps = ordered_json::array();
   for (const auto& gap : stream.gaps) gaps.push_back({{"from_s", gap.from_s}, {"length_s", gap.length_s}});
   return {{"kind", stream.kind},
@@ -39,7 +39,7 @@ ordered_json toJson(const doctor::StreamFigures& stream) {
           {"gaps", gaps}};
 }
 
-ordered_json rangesJson(const doctor::RangeFigures& r) {
+ordered_json rangesJson(const calibration::RangeFigures& r) {
   ordered_json json = {{"scans", r.scans},
                        {"beams", r.beams},
                        {"fov_deg", core::radToDeg(r.aperture_rad)},
@@ -81,8 +81,8 @@ ordered_json odometryJson(const doctor::LogFigures& f) {
   return list;
 }
 
-ordered_json fitJson(const doctor::OdometryFit& fit) {
-  const auto when = [](bool known, const doctor::Estimate& estimate, double factor = 1) {
+ordered_json fitJson(const calibration::OdometryFit& fit) {
+  const auto when = [](bool known, const calibration::Estimate& estimate, double factor = 1) {
     return known ? toJson(estimate, factor) : ordered_json();
   };
   const double deg = core::radToDeg(1);
@@ -130,7 +130,7 @@ ordered_json toJson(const doctor::LogCheck& check) {
           {"truth", f.has_truth}};
 }
 
-void printStreams(const std::vector<doctor::StreamFigures>& streams) {
+void printStreams(const std::vector<calibration::StreamFigures>& streams) {
   for (const auto& stream : streams) {
     std::printf("stream  %-26s %-18s %8lu", stream.kind.c_str(), ("'" + stream.label + "'").c_str(),
                 static_cast<unsigned long>(stream.count));

@@ -10,13 +10,14 @@
 #include "apps/quiet.h"
 #include "apps/stream_output.h"
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
-#include "libslam/core/word_list.h"
+#include "libslam/files/word_list.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::apps {
 
-core::Manifest Context::manifest() const {
-  core::Manifest manifest;
+resources::Manifest Context::manifest() const {
+  resources::Manifest manifest;
   manifest.command_line = command_line;
   manifest.seed = seed;
   return manifest;
@@ -48,7 +49,7 @@ void addSeed(CLI::App* command, Context& context) {
 
 std::string isDuration(const std::string& word) {
   double seconds = 0;
-  const bool is_one = core::parseNumber(word, seconds) && seconds >= 0;
+  const bool is_one = files::parseNumber(word, seconds) && seconds >= 0;
   return is_one ? "" : "found '" + word + "', expected a number of seconds from 0 on";
 }
 
@@ -103,20 +104,20 @@ void addSimulationFlags(CLI::App* command, SimulationFlags& flags) {
 namespace {
 
 /// The file of a lidar by name or path.
-core::IniFile loadLidar(const std::string& lidar) {
+files::IniFile loadLidar(const std::string& lidar) {
   const bool is_path = lidar.find_first_of("/.") != std::string::npos;
-  const std::string folder = core::configsFolder() + "/lidars";
+  const std::string folder = resources::configsFolder() + "/lidars";
   if (!is_path) {
-    const auto names = core::namesInFolder(folder, ".ini");
+    const auto names = resources::namesInFolder(folder, ".ini");
     if (std::find(names.begin(), names.end(), lidar) == names.end())
       throw core::InputError("--lidar: found '" + lidar + "', expected a name of 'rasterslam list lidars'" +
                              core::didYouMean(lidar, names));
   }
-  return core::IniFile::load(is_path ? lidar : folder + "/" + lidar + ".ini");
+  return resources::readConfigFile(is_path ? lidar : folder + "/" + lidar + ".ini");
 }
 
 /// Section [lidar] of "LIDAR", or [lidar NAME] of "NAME=LIDAR@X,Y,DEG".
-void addLidar(const std::string& argument, core::IniFile& config) {
+void addLidar(const std::string& argument, files::IniFile& config) {
   const auto equals = argument.find('=');
   if (equals == std::string::npos) return config.overrideWith(loadLidar(argument));
   const auto at = argument.find('@', equals);
@@ -130,34 +131,34 @@ void addLidar(const std::string& argument, core::IniFile& config) {
   if (const auto it = preset.sections().find("lidar"); it != preset.sections().end())
     for (const auto& [key, entry] : it->second) config.set(section, key, entry.value, entry.origin);
   const std::vector<std::string> keys = {"mount_x_m", "mount_y_m", "mount_yaw_deg"};
-  const auto numbers = core::splitAt(argument.substr(at + 1), ',');
+  const auto numbers = files::splitAt(argument.substr(at + 1), ',');
   if (numbers.size() != keys.size()) fail();
   for (std::size_t i = 0; i < keys.size(); ++i) {
     double value = 0;
-    if (!core::parseNumber(numbers[i], value)) fail();
+    if (!files::parseNumber(numbers[i], value)) fail();
     config.set(section, keys[i], numbers[i], "--lidar");
   }
 }
 
 }  // namespace
 
-core::IniFile simulationConfig(const Context& context, const SimulationFlags& flags) {
-  core::IniFile config;
+files::IniFile simulationConfig(const Context& context, const SimulationFlags& flags) {
+  files::IniFile config;
   for (const auto& lidar : flags.lidars) addLidar(lidar, config);
-  if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
+  if (!context.config.empty()) config.overrideWith(resources::readConfigFile(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   if (!flags.sensor.empty()) config.set("sensor", "kind", flags.sensor, "--sensor");
   if (!flags.strategy.empty()) config.set("strategy", "name", flags.strategy, "--strategy");
   if (!flags.start.empty()) config.set("simulation", "start", flags.start, "--start");
   if (!flags.form.empty()) config.set("simulation", "log_form", flags.form, "--form");
   if (flags.duration_s >= 0)
-    config.set("simulation", "duration_s", core::formatNumber(flags.duration_s), "--duration");
+    config.set("simulation", "duration_s", files::formatNumber(flags.duration_s), "--duration");
   return config;
 }
 
-void printParameters(const std::vector<core::ParameterReport>& parameters, bool json) {
+void printParameters(const std::vector<files::ParameterReport>& parameters, bool json) {
   if (!json) {
-    std::cout << core::formatParameterReport(parameters);
+    std::cout << files::formatParameterReport(parameters);
     return;
   }
   auto list = nlohmann::ordered_json::array();

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::apps {
 
@@ -21,7 +21,7 @@ struct Context {
   std::vector<std::string> settings;  ///< --set
   bool json = false, overwrite = false, quiet = false, print_config = false;
 
-  core::Manifest manifest() const;
+  resources::Manifest manifest() const;
   /// This program's own file, for comparisons that give each method a process.
   std::string programPath() const;
 };
@@ -87,9 +87,9 @@ void addSimulationFlags(CLI::App* command, SimulationFlags& flags);
 
 /// The layers of a simulation's configuration, weakest first: built-in, the lidar's file, --config, --set,
 /// flags.
-core::IniFile simulationConfig(const Context& context, const SimulationFlags& flags);
+files::IniFile simulationConfig(const Context& context, const SimulationFlags& flags);
 
 /// Prints what --print-config shows.
-void printParameters(const std::vector<core::ParameterReport>& parameters, bool json);
+void printParameters(const std::vector<files::ParameterReport>& parameters, bool json);
 
 }  // namespace slam::apps

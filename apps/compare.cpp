@@ -7,8 +7,8 @@
 #include "apps/console.h"
 #include "apps/plan_warnings.h"
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
 #include "libslam/mapping/method_config.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/compare.h"
 
 namespace slam::apps {
@@ -33,7 +33,7 @@ bool isOfMethods(const std::string& setting) {
 
 int compareMethods(const Context& context, const Arguments& arguments) {
   score::CompareRequest request;
-  const bool is_plan = core::looksLikePlan(arguments.input);
+  const bool is_plan = resources::looksLikePlan(arguments.input);
   Context simulation = context;
   simulation.settings.clear();
   for (const auto& setting : context.settings)
@@ -51,16 +51,16 @@ int compareMethods(const Context& context, const Arguments& arguments) {
     throw core::InputError("--set: found '" + simulation.settings.front() +
                            "', expected a section of a method, as " + arguments.input + " is a log");
   (is_plan ? request.plan_path : request.log_path) =
-      is_plan ? core::resolvePlan(arguments.input) : arguments.input;
+      is_plan ? resources::resolvePlan(arguments.input) : arguments.input;
   if (is_plan) warnOfPlan(context, request.plan_path);
   if (is_plan && !arguments.relations.empty())
     throw core::InputError("--relations belongs to a log; " + arguments.input +
                            " is a plan, whose simulation knows the whole truth");
   request.truth_path = arguments.truth;
   request.relations_path = arguments.relations;
-  if (!arguments.plan.empty()) request.truth_plan_path = core::resolvePlan(arguments.plan);
+  if (!arguments.plan.empty()) request.truth_plan_path = resources::resolvePlan(arguments.plan);
   request.methods = arguments.methods;
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = context.output.empty() ? "comparison" : context.output;
   request.seed = context.seed;
   request.threads = arguments.threads;

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "libslam/core/error.h"
-#include "libslam/core/word_wrap.h"
+#include "libslam/files/word_wrap.h"
 #include "libslam/table/text.h"
 
 namespace slam::apps {
@@ -146,8 +146,8 @@ std::string tableText(const table::Table& table) {
 }
 
 void printWrapped(const std::string& heading, const std::string& text) {
-  const std::string indent(core::letters(heading), ' ');
-  for (const auto& line : core::wrapped(text, std::min(terminalWidth(), kTextWidth), heading, indent))
+  const std::string indent(files::letters(heading), ' ');
+  for (const auto& line : files::wrapped(text, std::min(terminalWidth(), kTextWidth), heading, indent))
     std::cout << line << "\n";
 }
 

@@ -5,11 +5,11 @@
 #include "apps/console.h"
 #include "apps/lessons.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/pages/report_data.h"
+#include "libslam/resources/resources.h"
 #include "libslam/study/contest.h"
-#include "libslam/study/sweep_merge.h"
+#include "libslam/summary/sweep_merge.h"
 #include "libslam/sweep/sweep.h"
 
 namespace slam::apps {
@@ -23,22 +23,22 @@ struct Arguments {
 
 void writeStandings(const study::Standings& standings, const std::string& folder) {
   const auto write = [&](const std::string& suffix, const std::string& text) {
-    core::writeFileAtomically(folder + "/standings." + suffix, text);
+    files::writeFileAtomically(folder + "/standings." + suffix, text);
   };
   write("csv", table::toCsv(standings.full));
   write("json", table::toJson(standings.full));
   write("txt", table::toText(standings.table));
   write("md", table::toMarkdown(standings.table));
-  auto manifest = core::readManifest(folder + "/manifest.json");
+  auto manifest = resources::readManifest(folder + "/manifest.json");
   manifest.files["standings.txt"] = "who stands where; also .md, .csv, .json";
   manifest.files["report.html"] = "the contest as a page";
-  core::writeManifest(manifest, folder + "/manifest.json");
+  resources::writeManifest(manifest, folder + "/manifest.json");
 }
 
 int hold(const Context& context, Arguments& arguments) {
   auto& request = arguments.request;
   request.seed = context.seed;
-  if (request.suite_path.empty()) request.suite_path = core::configsFolder() + "/suites/contest.ini";
+  if (request.suite_path.empty()) request.suite_path = resources::configsFolder() + "/suites/contest.ini";
   const auto sweep = sweep::planSweep(study::contestSuite(request));
   sweep::SweepRequest how;
   how.output = context.output;
@@ -50,15 +50,15 @@ int hold(const Context& context, Arguments& arguments) {
   how.cell_progress = &cell_progress;
   const auto outcome = sweep::sweep(sweep, how, context.manifest(), progress);
   for (const auto& line : outcome.lost) std::cerr << "rasterslam: " << line << "\n";
-  study::MergeRequest whole;
+  summary::MergeRequest whole;
   whole.folders = {context.output};
   whole.output = context.output;
-  const auto merged = study::mergeSweep(whole, context.manifest(), core::silentProgress());
+  const auto merged = summary::mergeSweep(whole, context.manifest(), core::silentProgress());
   const auto standings = study::standingsOf(merged.plan, merged.results);
   writeStandings(standings, context.output);
   const std::string page = context.output + "/report.html";
-  core::writeFileAtomically(page,
-                            report::toHtml(pages::gatherReport(context.output, core::silentProgress())));
+  files::writeFileAtomically(page,
+                             report::toHtml(pages::gatherReport(context.output, core::silentProgress())));
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"folder", context.output},
                                         {"page", page},

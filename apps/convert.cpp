@@ -13,7 +13,7 @@
 #include "apps/quiet.h"
 #include "apps/stream_output.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/convert.h"
 #include "libslam/logs/log_format.h"
 
@@ -67,12 +67,12 @@ const Target& targetOf(const Arguments& arguments) {
                          ", or --to with one of " + names);
 }
 
-std::optional<logs::RawlogForm> formOf(const Arguments& arguments, const Target& target) {
+std::optional<rawlogs::RawlogForm> formOf(const Arguments& arguments, const Target& target) {
   if (arguments.form.empty()) return std::nullopt;
   if (target.log != logs::LogFormat::kRawlog)
     throw core::InputError("--form: is of rawlogs, expected none with --to " + target.name);
-  if (arguments.form == "action") return logs::RawlogForm::kActionFrame;
-  if (arguments.form == "observation") return logs::RawlogForm::kObservationOnly;
+  if (arguments.form == "action") return rawlogs::RawlogForm::kActionFrame;
+  if (arguments.form == "observation") return rawlogs::RawlogForm::kObservationOnly;
   throw core::InputError("--form: found '" + arguments.form + "', expected action or observation");
 }
 
@@ -123,7 +123,7 @@ int printPoses(const Context& context, const Arguments& arguments, size_t poses)
 
 /// Text whose first line beside remarks starts with a number, or with our own line of names.
 bool isTrajectory(const std::string& path) {
-  core::requireReadableFile(path);
+  files::requireReadableFile(path);
   std::ifstream in(path, std::ios::binary);
   std::string line;
   constexpr int kMostRemarks = 1000;
@@ -137,10 +137,10 @@ bool isTrajectory(const std::string& path) {
 
 int convertOperations(const Context& context, const Arguments& arguments, const std::string& to,
                       const sim::OriginalUnits& units) {
-  core::refuseToOverwrite(arguments.out, context.overwrite);
+  files::refuseToOverwrite(arguments.out, context.overwrite);
   const auto [operations, is_original] = readOperationFile(arguments.in, units);
-  core::writeFileAtomically(arguments.out, to == "original" ? sim::formatOriginalLog(operations, units)
-                                                            : sim::formatOperations(operations));
+  files::writeFileAtomically(arguments.out, to == "original" ? sim::formatOriginalLog(operations, units)
+                                                             : sim::formatOperations(operations));
   const auto arcs = std::count_if(operations.begin(), operations.end(),
                                   [](const sim::Operation& operation) { return operation.kind == 'a'; });
   if (arcs > 0 && to == "original")
@@ -175,7 +175,7 @@ int convert(const Context& context, const Arguments& arguments, const sim::Origi
     return printReport(context, arguments, report);
   }
   if (isTrajectory(arguments.in)) {
-    core::refuseToOverwrite(arguments.out, context.overwrite);
+    files::refuseToOverwrite(arguments.out, context.overwrite);
     const auto trajectory = logs::readTrajectory(arguments.in);
     logs::writeTrajectory(trajectory, arguments.out, target.trajectory);
     return printPoses(context, arguments, trajectory.size());

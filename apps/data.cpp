@@ -9,8 +9,8 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
 #include "libslam/logs/public_data.h"
+#include "libslam/resources/resources.h"
 #include "libslam/table/table.h"
 
 namespace slam::apps {
@@ -93,7 +93,7 @@ table::Table overview(const logs::PublicDataTable& table) {
 }
 
 int showData(const Context& context, const std::string& name) {
-  const auto table = logs::readPublicData(core::publicDataFile());
+  const auto table = logs::readPublicData(resources::publicDataFile());
   if (name.empty()) {
     if (context.json) {
       auto list = nlohmann::ordered_json::array();

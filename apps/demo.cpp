@@ -5,10 +5,11 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/pages/report_data.h"
 #include "libslam/report/html_report.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/compare.h"
 
 namespace slam::apps {
@@ -21,7 +22,7 @@ constexpr const char* kRealLog = "2006-01ENE-21-SENA_Telecom Faculty_one_loop_on
 score::CompareRequest commonRequest(const Context& context, const std::string& output) {
   score::CompareRequest request;
   request.methods = defaultMethods();
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = output;
   request.program = context.programPath();
   request.quiet = context.quiet;
@@ -34,7 +35,7 @@ score::CompareRequest commonRequest(const Context& context, const std::string& o
 int show(const score::Comparison& comparison, const std::string& title, const std::string& folder,
          core::Progress& progress) {
   const std::string page = folder + "/report.html";
-  core::writeFileAtomically(page, report::toHtml(pages::gatherReport(folder, progress)));
+  files::writeFileAtomically(page, report::toHtml(pages::gatherReport(folder, progress)));
   std::cout
       << "\n== " << title << "\n\n"
       << tableText(comparison.accuracy) << "\n"
@@ -48,8 +49,8 @@ int demo(const Context& context) {
   ConsoleProgress progress(context.quiet);
 
   auto simulated = commonRequest(context, output + "/simulated");
-  simulated.plan_path = core::resolvePlan(kWorld);
-  simulated.record = record::readRecordConfig(core::IniFile());
+  simulated.plan_path = resources::resolvePlan(kWorld);
+  simulated.record = record::readRecordConfig(files::IniFile());
   int failed = show(score::compare(simulated, context.manifest(), progress),
                     std::string("A robot explores the plan '") + kWorld + "'", simulated.output, progress);
 
@@ -57,13 +58,13 @@ int demo(const Context& context) {
   auto original = commonRequest(context, output + "/original");
   original.methods = {"naive", "naive_blind", "naive_wheel", "icp", "graph"};
   original.plan_path = simulated.plan_path;
-  original.record =
-      record::readRecordConfig(core::IniFile::load(core::configsFolder() + "/lidars/thesis_360.ini"));
+  original.record = record::readRecordConfig(
+      resources::readConfigFile(resources::configsFolder() + "/lidars/thesis_360.ini"));
   original.record.simulation.duration_s = kOriginal_s;
   failed += show(score::compare(original, context.manifest(), progress),
                  "The original robot with the original lidar, thesis_360", original.output, progress);
 
-  const std::string datasets = core::mrptDatasetsFolder();
+  const std::string datasets = resources::mrptDatasetsFolder();
   const std::string real_log = datasets.empty() ? "" : datasets + "/" + kRealLog;
   if (real_log.empty() || !std::filesystem::exists(real_log)) {
     std::fprintf(

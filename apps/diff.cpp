@@ -4,9 +4,9 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/mapping/method_config.h"
+#include "libslam/resources/resources.h"
 #include "libslam/sessions/diff_maps.h"
 
 namespace slam::apps {
@@ -17,12 +17,12 @@ struct Arguments {
 };
 
 int diff(const Context& context, const Arguments& arguments) {
-  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "graph");
+  const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph");
   const std::string folder = context.output.empty() ? "changes" : context.output;
   ConsoleProgress progress(context.quiet);
   sessions::diffMaps(arguments.before, arguments.after, config, folder, context.overwrite, context.manifest(),
                      progress);
-  std::cout << core::readTextFile(folder + (context.json ? "/changes.json" : "/changes.txt"));
+  std::cout << files::readTextFile(folder + (context.json ? "/changes.json" : "/changes.txt"));
   if (!context.json) std::cout << "\npicture, page, table: " << folder << "\n";
   return 0;
 }

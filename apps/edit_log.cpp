@@ -9,21 +9,21 @@
 #include "apps/console.h"
 #include "apps/edited_log.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_edit.h"
-#include "libslam/record/cut_truth.h"
 #include "libslam/record/record.h"
-#include "libslam/record/truth_files.h"
 #include "libslam/run/scan_odometry_log.h"
 #include "libslam/run/told_commands.h"
 #include "libslam/score/compare.h"
+#include "libslam/truth/cut_truth.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::apps {
 namespace {
 
 double number(const std::string& text, const char* flag, const char* expected) {
   double value = 0;
-  if (!core::parseNumber(text, value))
+  if (!files::parseNumber(text, value))
     throw core::InputError(std::string(flag) + ": found '" + text + "', expected " + expected);
   return value;
 }
@@ -42,19 +42,19 @@ struct CutArguments {
 };
 
 int cut(const Context& context, const CutArguments& arguments) {
-  core::refuseToOverwrite(context.output, context.overwrite);
+  files::refuseToOverwrite(context.output, context.overwrite);
   logs::CutOptions options;
   options.from = moment(arguments.from, "--from");
   options.to = moment(arguments.to, "--to");
   options.salvage = arguments.salvage;
   if (!options.from && !options.to && !options.salvage)
     throw core::InputError("cut: found neither --from nor --to nor --salvage, expected one of them");
-  if (!record::findTruth(arguments.log).empty())
+  if (!truth::findTruth(arguments.log).empty())
     for (const std::string end : {".gt.tum", ".manifest.json"})
-      core::refuseToOverwrite(record::logStem(context.output) + end, context.overwrite);
+      files::refuseToOverwrite(truth::logStem(context.output) + end, context.overwrite);
   ConsoleProgress progress(context.quiet);
   const auto counts = logs::cutLog(arguments.log, context.output, options, progress);
-  return reportEditedLog(context, counts, record::keepTruth(arguments.log, context.output));
+  return reportEditedLog(context, counts, truth::keepTruth(arguments.log, context.output));
 }
 
 struct FilterArguments {
@@ -112,9 +112,9 @@ run::ScanOdometryLogOptions odometryOptions(const FilterArguments& arguments) {
   }
   options.odometry.method = arguments.odometry;
   if (arguments.form == "action")
-    options.form = logs::RawlogForm::kActionFrame;
+    options.form = rawlogs::RawlogForm::kActionFrame;
   else if (arguments.form == "observation")
-    options.form = logs::RawlogForm::kObservationOnly;
+    options.form = rawlogs::RawlogForm::kObservationOnly;
   else if (!arguments.form.empty())
     throw core::InputError("--form: found '" + arguments.form + "', expected action or observation");
   return options;
@@ -125,11 +125,11 @@ run::ScanOdometryLogOptions odometryOptions(const FilterArguments& arguments) {
 run::CommandBefore commandsBefore(const std::string& log_path, bool all_scans) {
   const auto told = all_scans ? run::commandsOfLog(log_path) : std::nullopt;
   if (!told)
-    return [series = robot::CommandSeries()](const robot::Scan&,
+    return [series = robot::CommandSeries()](const lidar::Scan&,
                                              const std::optional<core::Pose2>& wheels) mutable {
       return wheels ? series.next(*wheels) : odometry::Commanded();
     };
-  return [told, scan = std::size_t{0}](const robot::Scan&, const std::optional<core::Pose2>&) mutable {
+  return [told, scan = std::size_t{0}](const lidar::Scan&, const std::optional<core::Pose2>&) mutable {
     return scan < told->size() ? (*told)[scan++] : odometry::Commanded();
   };
 }
@@ -156,7 +156,7 @@ int reportOdometry(const Context& context, const std::string& method,
 }
 
 int filter(const Context& context, const FilterArguments& arguments) {
-  core::refuseToOverwrite(context.output, context.overwrite);
+  files::refuseToOverwrite(context.output, context.overwrite);
   const auto options = filterOptions(arguments);
   ConsoleProgress progress(context.quiet);
   if (arguments.odometry.empty()) {
@@ -168,7 +168,7 @@ int filter(const Context& context, const FilterArguments& arguments) {
   if (arguments.odometry == "argmax")
     odometry.commanded = commandsBefore(arguments.log, !editsObservations(options));
   std::string log = arguments.log;
-  const core::PendingFile filtered(context.output + ".filtered");  // never committed
+  const files::PendingFile filtered(context.output + ".filtered");  // never committed
   if (editsObservations(options)) {
     logs::filterLog(log, filtered.path(), options, progress);
     log = filtered.path();

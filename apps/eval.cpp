@@ -10,9 +10,9 @@
 #include "apps/help_text.h"
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/score/failure.h"
@@ -53,7 +53,7 @@ int evaluateByRelations(const Context& context, const Arguments& arguments) {
   const auto relations = logs::readRelations(arguments.relations);
   std::vector<score::RelationScore> scores;
   if (std::filesystem::is_directory(arguments.folder))
-    scores = score::scoreByRelations(run::loadRun(arguments.folder), relations);
+    scores = score::scoreByRelations(results::loadRun(arguments.folder), relations);
   else
     scores = {{std::filesystem::path(arguments.folder).filename().string(),
                metrics::relationError(relations, logs::readTrajectory(arguments.folder))}};
@@ -76,7 +76,7 @@ const std::vector<std::pair<std::string, metrics::Align>>& alignments() {
   return all;
 }
 
-score::Alignment alignmentOf(const Arguments& arguments, const core::Manifest& manifest) {
+score::Alignment alignmentOf(const Arguments& arguments, const resources::Manifest& manifest) {
   score::Alignment alignment = score::alignmentOf(manifest);
   for (const auto& [name, how] : alignments())
     if (arguments.align == name) alignment.how = how;
@@ -88,9 +88,9 @@ score::Alignment alignmentOf(const Arguments& arguments, const core::Manifest& m
 }
 
 /// A run's folder, or a trajectory by itself, which has neither map nor cost.
-run::RunFolder loadRunOrPath(const std::string& path) {
-  if (std::filesystem::is_directory(path) || !std::filesystem::exists(path)) return run::loadRun(path);
-  run::RunFolder run;
+results::RunFolder loadRunOrPath(const std::string& path) {
+  if (std::filesystem::is_directory(path) || !std::filesystem::exists(path)) return results::loadRun(path);
+  results::RunFolder run;
   run.path = path;
   run.method = std::filesystem::path(path).stem().string();
   run.estimate = logs::readTrajectory(path);
@@ -104,10 +104,10 @@ void warnOfOtherTruth(const Context& context, const core::Trajectory& truth, con
   if (agreement < score::kLeastMotionAgreement)
     note(context, "warning: " + truth_path +
                       ": is it of another run? The poses do not move when it does (correlation " +
-                      core::formatNumber(std::round(100 * agreement) / 100) + ")");
+                      files::formatNumber(std::round(100 * agreement) / 100) + ")");
 }
 
-int evaluatePath(const Context& context, const Arguments& arguments, const run::RunFolder& path) {
+int evaluatePath(const Context& context, const Arguments& arguments, const results::RunFolder& path) {
   if (arguments.truth.empty())
     throw core::InputError(arguments.folder +
                            ": is a file, expected a run's folder, or --truth or --relations beside it");
@@ -116,7 +116,7 @@ int evaluatePath(const Context& context, const Arguments& arguments, const run::
   if (!arguments.gate.gate.empty() || !arguments.gate.write_gate.empty())
     throw core::InputError("--gate and --write-gate hold runs, and " + arguments.folder + " is a path alone");
   const auto truth = score::loadTruth(arguments.truth, "", path).trajectory;
-  const auto alignment = alignmentOf(arguments, core::Manifest());
+  const auto alignment = alignmentOf(arguments, resources::Manifest());
   std::vector<std::pair<std::string, table::Table>> tables = {
       {"scores", score::pathTable(arguments.folder, truth, path.estimate, alignment)},
       {"rpe",
@@ -132,7 +132,7 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
   const auto run_folder = loadRunOrPath(arguments.folder);
   if (run_folder.path == arguments.folder && !std::filesystem::is_directory(arguments.folder))
     return evaluatePath(context, arguments, run_folder);
-  const std::string plan_path = arguments.plan.empty() ? "" : core::resolvePlan(arguments.plan);
+  const std::string plan_path = arguments.plan.empty() ? "" : resources::resolvePlan(arguments.plan);
   if (arguments.truth.empty() && !plan_path.empty())
     throw core::InputError("--plan needs --truth: without the true path the map cannot be laid on the plan");
   std::optional<score::Truth> truth;
@@ -155,7 +155,7 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
   if (truth) {
     const auto failure = score::explainFailure(
         run_folder, *truth,
-        score::readEvidence(run_folder, arguments.truth, run::logInput(run_folder.manifest)));
+        score::readEvidence(run_folder, arguments.truth, results::logInput(run_folder.manifest)));
     if (failure.divergence || !evaluation.failure.empty())
       tables.emplace_back("failure", score::failureTable(failure, evaluation.method));
   }

@@ -10,12 +10,12 @@
 #include "apps/plan_warnings.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
-#include "libslam/core/word_list.h"
 #include "libslam/explore/explore.h"
-#include "libslam/explore/reach_goal.h"
-#include "libslam/explore/team.h"
+#include "libslam/files/files.h"
+#include "libslam/files/word_list.h"
+#include "libslam/reach/reach_goal.h"
+#include "libslam/resources/resources.h"
+#include "libslam/teams/team.h"
 
 namespace slam::apps {
 namespace {
@@ -34,7 +34,7 @@ struct Arguments {
 /// One configuration per strategy; they are the same but for its name.
 std::vector<explore::ExploreConfig> configsOf(const Context& context, const Arguments& arguments) {
   SimulationFlags flags = arguments.flags;
-  auto names = core::namesIn(flags.strategy, ',');
+  auto names = files::namesIn(flags.strategy, ',');
   if (names.empty()) names.emplace_back();  // the configuration's own
   std::vector<explore::ExploreConfig> configs;
   for (const auto& name : names) {
@@ -69,10 +69,10 @@ void checkRobots(const Arguments& arguments, std::size_t strategies) {
 template <typename Request>
 Request requestOf(const Context& context, const Arguments& arguments) {
   Request request;
-  request.plan_path = core::resolvePlan(arguments.plan);
+  request.plan_path = resources::resolvePlan(arguments.plan);
   warnOfPlan(context, request.plan_path);
   request.slam = arguments.slam;
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = context.output.empty() ? "exploration" : context.output;
   request.seed = context.seed;
   request.threads = arguments.threads;
@@ -83,16 +83,16 @@ Request requestOf(const Context& context, const Arguments& arguments) {
 
 int exploreTogether(const Context& context, const Arguments& arguments,
                     const explore::ExploreConfig& config) {
-  auto request = requestOf<explore::TeamRequest>(context, arguments);
+  auto request = requestOf<teams::TeamRequest>(context, arguments);
   request.config = config;
   request.robots = arguments.robots;
   if (arguments.radio_range_m) request.radio_range_m = *arguments.radio_range_m;
   for (const auto& start : arguments.starts)
-    request.T_world_starts.push_back(explore::parsePose(start, "--starts"));
+    request.T_world_starts.push_back(reach::parsePose(start, "--starts"));
   ConsoleProgress progress(context.quiet);
-  const auto result = explore::exploreTeam(request, context.manifest(), progress);
+  const auto result = teams::exploreTeam(request, context.manifest(), progress);
   if (context.json)
-    std::cout << core::readTextFile(request.output + "/exploration.json");
+    std::cout << files::readTextFile(request.output + "/exploration.json");
   else
     std::cout << tableText(result.scores) << "\npictures, maps, tables: " << request.output << "\n";
   return static_cast<int>(result.failed ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);

@@ -8,15 +8,16 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/help_text.h"
+#include "libslam/certified/global.h"
+#include "libslam/certified/relaxation.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/g2o_io.h"
-#include "libslam/posegraph/global.h"
 #include "libslam/posegraph/optimize.h"
 #include "libslam/posegraph/parts.h"
-#include "libslam/posegraph/relaxation.h"
+#include "libslam/resources/ini_yaml.h"
 
 namespace slam::apps {
 namespace {
@@ -72,15 +73,15 @@ int info(const Context& context, const Arguments& arguments) {
 }
 
 posegraph::OptimizeOptions readOptions(const Context& context, const Arguments& arguments,
-                                       std::vector<core::ParameterReport>& report) {
-  core::IniFile ini;
-  if (!context.config.empty()) ini = core::IniFile::load(context.config);
+                                       std::vector<files::ParameterReport>& report) {
+  files::IniFile ini;
+  if (!context.config.empty()) ini = resources::readConfigFile(context.config);
   for (const auto& setting : context.settings) ini.setFromArgument(setting, "--set");
   const auto& table = posegraph::OptimizeOptions::table();
   if (!arguments.robust.empty()) ini.set(table.section(), "robust", arguments.robust, "--robust");
-  core::rejectUnknownSections(ini, {table.section()});
+  files::rejectUnknownSections(ini, {table.section()});
   posegraph::OptimizeOptions options;
-  core::readParameters(ini, table, options, &report);
+  files::readParameters(ini, table, options, &report);
   return options;
 }
 
@@ -99,7 +100,7 @@ int convert(const Context& context, const Arguments& arguments) {
   if (context.output.empty())
     throw core::InputError("graph convert: found no --output, expected a .g2o or .graph file to write");
   const auto write = writerFor(context.output);
-  core::refuseToOverwrite(context.output, context.overwrite);
+  files::refuseToOverwrite(context.output, context.overwrite);
   const auto g2o = posegraph::readG2oFile(arguments.file);
   write(g2o.graph, g2o.ids, context.output);
   auto facts = contentOf(arguments.file, g2o);
@@ -131,7 +132,7 @@ void setStart(posegraph::PoseGraph& graph, const Arguments& arguments, std::uint
   if (arguments.from == "file") return;
   posegraph::startAt(graph, arguments.from == "odometry" ? posegraph::chained(graph)
                             : arguments.from == "random" ? posegraph::scattered(graph, {seed, "start"})
-                                                         : posegraph::relaxedPoses(graph));
+                                                         : certified::relaxedPoses(graph));
 }
 
 void printSolved(const nlohmann::ordered_json& facts) {
@@ -153,7 +154,7 @@ void printSolved(const nlohmann::ordered_json& facts) {
 }
 
 int optimise(const Context& context, const Arguments& arguments) {
-  std::vector<core::ParameterReport> parameters;
+  std::vector<files::ParameterReport> parameters;
   const auto options = readOptions(context, arguments, parameters);
   if (context.print_config) {
     printParameters(parameters, context.json);
@@ -162,15 +163,15 @@ int optimise(const Context& context, const Arguments& arguments) {
   if (context.output.empty())
     throw core::InputError("graph optimise: found no --output, expected a .g2o or .graph file to write");
   const auto write = writerFor(context.output);
-  core::refuseToOverwrite(context.output, context.overwrite);
+  files::refuseToOverwrite(context.output, context.overwrite);
   auto g2o = posegraph::readG2oFile(arguments.file);
   requireOnePart(arguments.file, g2o);
   setStart(g2o.graph, arguments, context.seed);
-  posegraph::GlobalResult solved;
+  certified::GlobalResult solved;
   if (arguments.local)
     solved.optimum = posegraph::optimize(g2o.graph, options);
   else
-    solved = posegraph::optimizeGlobally(g2o.graph, options);
+    solved = certified::optimizeGlobally(g2o.graph, options);
   const auto& result = solved.optimum;
   write(g2o.graph, g2o.ids, context.output);
 

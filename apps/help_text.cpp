@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/word_wrap.h"
+#include "libslam/files/word_wrap.h"
 
 namespace slam::apps {
 namespace {
@@ -31,7 +31,7 @@ std::string folded(const std::string& text, size_t indent, size_t width) {
   std::istringstream lines(text);
   std::string result;
   for (std::string given; std::getline(lines, given);)
-    for (const auto& line : core::wrapped(given, width - indent))
+    for (const auto& line : files::wrapped(given, width - indent))
       result += (result.empty() ? "" : "\n" + std::string(indent, ' ')) + line;
   return result;
 }

@@ -7,13 +7,13 @@
 #include "apps/console.h"
 #include "libslam/doctor/log_check.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/record/truth_files.h"
 #include "libslam/score/compare.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::apps {
 namespace {
 
-nlohmann::ordered_json toJson(const std::vector<doctor::StreamFigures>& streams) {
+nlohmann::ordered_json toJson(const std::vector<calibration::StreamFigures>& streams) {
   auto list = nlohmann::ordered_json::array();
   for (const auto& stream : streams) {
     const bool has_rate = stream.mean_period_s > 0;
@@ -27,7 +27,8 @@ nlohmann::ordered_json toJson(const std::vector<doctor::StreamFigures>& streams)
   return list;
 }
 
-nlohmann::ordered_json toJson(const logs::LogInfo& info, const std::vector<doctor::StreamFigures>& streams,
+nlohmann::ordered_json toJson(const logs::LogInfo& info,
+                              const std::vector<calibration::StreamFigures>& streams,
                               const std::string& truth) {
   return nlohmann::ordered_json{
       {"path", info.path},
@@ -78,7 +79,7 @@ void printScans(const logs::LogInfo& info) {
        info.stamps_run_back ? ", stamps run back" : "");
 }
 
-void printStream(const doctor::StreamFigures& stream) {
+void printStream(const calibration::StreamFigures& stream) {
   std::string rate;
   if (stream.mean_period_s > 0) {
     char text[40];
@@ -92,7 +93,7 @@ void printStream(const doctor::StreamFigures& stream) {
 int showInfo(const Context& context, const std::string& path) {
   const auto info = logs::inspectLog(path);
   const auto streams = doctor::streamsOf(path);
-  const std::string truth = record::findTruth(path);
+  const std::string truth = truth::findTruth(path);
   if (context.json) {
     std::cout << toJson(info, streams, truth).dump(2) << "\n";
     return 0;

@@ -8,11 +8,11 @@
 #include "apps/lessons.h"
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/grade.h"
 #include "libslam/learn/student_folder.h"
 #include "libslam/learn/terminal_page.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::apps {
 namespace {
@@ -50,7 +50,7 @@ int listLessons(const Context& context, const std::vector<learn::Lesson>& lesson
 
 int showLesson(const Context& context, const learn::Lesson& lesson) {
   const std::string folder = learn::pagesFolder(), path = folder + "/" + lesson.name + ".md";
-  const std::string markdown = core::readTextFile(path);
+  const std::string markdown = files::readTextFile(path);
   if (context.json)
     std::cout << nlohmann::ordered_json{{"lesson", lesson.name}, {"file", path}, {"markdown", markdown}}.dump(
                      2)
@@ -78,7 +78,7 @@ int startLesson(const Context& context, const Arguments& arguments) {
         << nlohmann::ordered_json{{"folder", folder}, {"lesson", lesson.name}, {"student", student}}.dump(2)
         << "\n";
   else
-    std::cout << learn::terminalPage(core::readTextFile(folder + "/" + learn::kTaskFile), folder,
+    std::cout << learn::terminalPage(files::readTextFile(folder + "/" + learn::kTaskFile), folder,
                                      pageWidth());
   return 0;
 }
@@ -122,13 +122,13 @@ int checkLesson(const Context& context, const Arguments& arguments) {
 }
 
 int gradeFolders(const Context& context, const Arguments& arguments) {
-  if (!context.output.empty()) core::refuseToOverwrite(context.output, context.overwrite);
+  if (!context.output.empty()) files::refuseToOverwrite(context.output, context.overwrite);
   const auto lessons = learn::readLessons();
   const auto folders = learn::studentFolders(arguments.folders);
   ConsoleProgress progress(context.quiet);
   const auto grades = learn::grade(lessons, folders, progress);
   const auto table = learn::gradeTable(lessons, grades);
-  if (!context.output.empty()) core::writeFileAtomically(context.output, table::toCsv(table));
+  if (!context.output.empty()) files::writeFileAtomically(context.output, table::toCsv(table));
   if (context.json)
     std::cout << table::toJson(table) << "\n";
   else

@@ -8,14 +8,14 @@
 #include "apps/help_text.h"
 #include "apps/shell_words.h"
 #include "libslam/buildings/generator.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
 #include "libslam/explore/explore.h"
-#include "libslam/explore/goal_methods.h"
+#include "libslam/files/files.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/reach/goal_methods.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/score/metric_infos.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::apps {
 namespace {
@@ -24,7 +24,7 @@ using Entry = std::pair<std::string, std::string>;  // name, meaning
 
 /// The first sentence of the comment that an .ini begins with says what it is.
 std::string firstSentence(const std::string& path) {
-  std::istringstream lines(core::readTextFile(path));
+  std::istringstream lines(files::readTextFile(path));
   std::string sentence;
   for (std::string line; std::getline(lines, line);) {
     const size_t start = line.find_first_not_of("#; ");
@@ -39,20 +39,20 @@ std::string firstSentence(const std::string& path) {
 std::vector<Entry> entriesOf(const std::string& what) {
   std::vector<Entry> entries;
   if (what == "methods" || what == "lidars") {
-    const std::string folder = core::configsFolder() + "/" + what;
-    for (const auto& name : core::namesInFolder(folder, ".ini"))
+    const std::string folder = resources::configsFolder() + "/" + what;
+    for (const auto& name : resources::namesInFolder(folder, ".ini"))
       entries.emplace_back(name, firstSentence(folder + "/" + name + ".ini"));
   } else if (what == "strategies") {
-    for (const auto& name : navigate::strategyNames())
-      entries.emplace_back(name, navigate::strategyMeaning(name));
+    for (const auto& name : strategies::strategyNames())
+      entries.emplace_back(name, strategies::strategyMeaning(name));
   } else if (what == "navigators") {
-    for (const auto& name : explore::goalMethodNames())
-      entries.emplace_back(name, explore::goalMethodMeaning(name));
+    for (const auto& name : reach::goalMethodNames())
+      entries.emplace_back(name, reach::goalMethodMeaning(name));
   } else if (what == "buildings") {
     for (const auto& kind : buildings::buildingKinds()) entries.emplace_back(kind.name, kind.meaning);
   } else if (what == "worlds") {
-    for (const auto& name : core::namesInFolder(core::worldsFolder(), ".yaml")) {
-      const auto plan = world::loadPlan(core::worldsFolder() + "/" + name + ".yaml");
+    for (const auto& name : resources::namesInFolder(resources::worldsFolder(), ".yaml")) {
+      const auto plan = world::loadPlan(resources::worldsFolder() + "/" + name + ".yaml");
       char size[64];
       std::snprintf(size, sizeof size, "%.1f x %.1f m, %g m a cell", plan.columns * plan.resolution_m,
                     plan.rows * plan.resolution_m, plan.resolution_m);

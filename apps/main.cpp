@@ -7,8 +7,8 @@
 #include "apps/lessons.h"
 #include "apps/program.h"
 #include "apps/shell_words.h"
-#include "libslam/core/exit_code.h"
-#include "libslam/core/manifest.h"
+#include "libslam/process/exit_code.h"
+#include "libslam/resources/manifest.h"
 
 namespace {
 
@@ -20,7 +20,7 @@ int runRasterslam(int argc, char** argv) {
       "well.\n"
       "Start with: rasterslam demo"};
   app.formatter(slam::apps::helpFormatter());
-  app.set_version_flag("--version", "rasterslam " + slam::core::versionText());
+  app.set_version_flag("--version", "rasterslam " + slam::resources::versionText());
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 ok, 1 failed, 2 usage, 3 bad input, 4 a method failed or diverged,\n"

@@ -3,8 +3,8 @@
 #include <sstream>
 
 #include "apps/shell_words.h"
-#include "libslam/core/files.h"
-#include "libslam/core/manifest.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::apps {
 namespace {
@@ -83,7 +83,7 @@ std::string manualPage(const CLI::App& command) {
   const bool whole = command.get_parent() == nullptr;
   const std::string meaning =
       whole ? "probabilistic 2D-lidar SLAM: simulate, map, score" : command.get_description();
-  out << ".TH " << upper(pageOf(command)) << " 1 \"\" \"rasterslam " << core::versionText()
+  out << ".TH " << upper(pageOf(command)) << " 1 \"\" \"rasterslam " << resources::versionText()
       << "\" \"User Commands\"\n.ad l\n"
       << ".SH NAME\n"
       << roff(pageOf(command)) << " \\- " << roff(meaning) << "\n"
@@ -108,9 +108,9 @@ std::string manualPage(const CLI::App& command) {
 }  // namespace
 
 void writeManual(const CLI::App& app, const std::string& folder) {
-  core::writeFileAtomically(folder + "/rasterslam.1", manualPage(app));
+  files::writeFileAtomically(folder + "/rasterslam.1", manualPage(app));
   for (const auto* command : subcommands(app))
-    core::writeFileAtomically(folder + "/" + pageOf(*command) + ".1", manualPage(*command));
+    files::writeFileAtomically(folder + "/" + pageOf(*command) + ".1", manualPage(*command));
 }
 
 }  // namespace slam::apps

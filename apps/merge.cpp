@@ -10,10 +10,10 @@
 #include "apps/console.h"
 #include "apps/edited_log.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_edit.h"
 #include "libslam/mapping/method_config.h"
+#include "libslam/resources/resources.h"
 #include "libslam/sessions/merge_maps.h"
 
 namespace slam::apps {
@@ -22,7 +22,7 @@ namespace {
 int mergeLogs(const Context& context, const std::vector<std::string>& logs) {
   if (logs.size() != 2)
     throw core::InputError("merge: found " + std::to_string(logs.size()) + " logs, expected two");
-  core::refuseToOverwrite(context.output, context.overwrite);
+  files::refuseToOverwrite(context.output, context.overwrite);
   ConsoleProgress progress(context.quiet);
   return reportEditedLog(context, logs::mergeLogs(logs[0], logs[1], context.output, progress));
 }
@@ -42,18 +42,18 @@ std::string lineOf(const sessions::MergedSession& merged, bool is_first) {
 }
 
 int mergeMaps(const Context& context, const std::vector<std::string>& maps) {
-  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "graph");
+  const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph");
   ConsoleProgress progress(context.quiet);
   const auto merged =
       sessions::mergeMaps(maps, config, context.output, context.overwrite, context.manifest(), progress);
   if (context.json) {
-    std::cout << core::readTextFile(context.output + "/merge.json");
+    std::cout << files::readTextFile(context.output + "/merge.json");
     return 0;
   }
   bool is_first = true;
   for (const auto& session : merged.sessions)
     printWrapped("", lineOf(session, std::exchange(is_first, false)));
-  const auto manifest = core::readManifest(context.output + "/manifest.json");
+  const auto manifest = resources::readManifest(context.output + "/manifest.json");
   for (const auto& [file, meaning] : manifest.files)
     std::printf("  %-32s %s\n", (context.output + "/" + file).c_str(), meaning.c_str());
   return 0;
@@ -65,7 +65,7 @@ int merge(const Context& context, const std::vector<std::string>& inputs) {
   if (maps == 0) return mergeLogs(context, inputs);
   for (const auto& input : inputs)
     if (!sessions::namesMap(input)) {
-      core::requireReadableFile(input);
+      files::requireReadableFile(input);
       throw core::InputError(input + ": found a log among maps, expected logs or maps alone");
     }
   return mergeMaps(context, inputs);

@@ -6,10 +6,10 @@
 #include "apps/navigators_slam.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
-#include "libslam/explore/reach_goal.h"
+#include "libslam/reach/reach_goal.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::apps {
 namespace {
@@ -23,28 +23,28 @@ struct Arguments {
 };
 
 int navigateTo(const Context& context, const Arguments& arguments) {
-  explore::ReachGoalRequest request;
-  request.config = explore::readReachGoalConfig(
-      withCarries(simulationConfig(context, arguments.flags), arguments.carries));
+  reach::ReachGoalRequest request;
+  request.config =
+      reach::readReachGoalConfig(withCarries(simulationConfig(context, arguments.flags), arguments.carries));
   if (context.print_config) {
     printParameters(request.config.parameters, context.json);
     return 0;
   }
-  request.p_world_goal = explore::parsePlace(arguments.goal, "--goal");
-  const std::string plan_path = core::resolvePlan(arguments.plan);
+  request.p_world_goal = reach::parsePlace(arguments.goal, "--goal");
+  const std::string plan_path = resources::resolvePlan(arguments.plan);
   request.plan = record::planOfVisit(world::loadPlan(plan_path), request.config.living, context.seed);
-  request.T_world_start = explore::goalStart(request.plan, request.config, arguments.start);
+  request.T_world_start = reach::goalStart(request.plan, request.config, arguments.start);
   request.methods = arguments.methods;
   const std::string slam = navigatorsSlam(arguments.slam, request.config.camera.has_value());
   request.slam = slam == "odometry" ? "" : slam;
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = context.output.empty() ? "navigation" : context.output;
   request.seed = context.seed;
   request.overwrite = context.overwrite;
   auto manifest = context.manifest();
-  manifest.inputs[plan_path] = core::fileSha256(plan_path);
+  manifest.inputs[plan_path] = resources::fileSha256(plan_path);
   ConsoleProgress progress(context.quiet);
-  const auto comparison = explore::reachGoal(request, manifest, progress);
+  const auto comparison = reach::reachGoal(request, manifest, progress);
   if (context.json)
     std::cout << table::toJson(comparison.table) << "\n";
   else

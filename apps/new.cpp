@@ -13,7 +13,7 @@ namespace {
 
 int makeNew(const Context& context, learn::TemplateRequest& request) {
   request.output = context.output;
-  request.library = learn::libraryFolder(core::dataPlaces());
+  request.library = learn::libraryFolder(resources::dataPlaces());
   const auto made = learn::makeFromTemplate(request);
   if (context.json) {
     std::cout

@@ -2,12 +2,12 @@
 
 #include <fstream>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 namespace slam::apps {
 
 OperationFile readOperationFile(const std::string& path, const sim::OriginalUnits& units) {
-  const std::string text = core::readTextFile(path);
+  const std::string text = files::readTextFile(path);
   if (sim::isOriginalLog(text)) return {sim::parseOriginalLog(text, units, path), true};
   return {sim::parseOperations(text, path), false};
 }

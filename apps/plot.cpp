@@ -7,14 +7,15 @@
 
 #include "apps/plot.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
-#include "libslam/core/resources.h"
-#include "libslam/explore/turn_away.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/pictures/journal_picture.h"
 #include "libslam/pictures/picture.h"
-#include "libslam/run/journal_file.h"
+#include "libslam/reach/turn_away.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/score/compare.h"
 #include "libslam/world/plan.h"
 
@@ -30,12 +31,12 @@ double lengthOf(const std::string& text, const std::string& option,
   for (const auto& [unit, size] : units) {
     if (text.size() <= unit.size() || text.compare(text.size() - unit.size(), unit.size(), unit) != 0)
       continue;
-    number = core::trimmed(text.substr(0, text.size() - unit.size()));
+    number = files::trimmed(text.substr(0, text.size() - unit.size()));
     factor = size;
     break;
   }
   double value = 0;
-  if (!core::parseNumber(number, value) || !(value > 0)) {
+  if (!files::parseNumber(number, value) || !(value > 0)) {
     std::string known;
     for (const auto& [unit, size] : units) known += (known.empty() ? "" : ", ") + unit;
     throw core::InputError(option + ": found '" + text + "', expected a length above 0 in " + known);
@@ -66,7 +67,7 @@ PicturePlace picturePlace(const Context& context, const PaperArguments& argument
   PicturePlace place;
   place.file = context.output.empty() ? default_name : context.output;
   draw::requirePicturePath(place.file);
-  core::refuseToOverwrite(place.file, context.overwrite);
+  files::refuseToOverwrite(place.file, context.overwrite);
   constexpr double kPage_mm = 170;
   auto& paper = place.paper;
   if (!arguments.width.empty())
@@ -78,9 +79,9 @@ PicturePlace picturePlace(const Context& context, const PaperArguments& argument
   paper.dpi = arguments.dpi;
   constexpr double kLeastUnits = 300;  // narrower, labels have no room
   if (!paper.isScreen() && !(paper.unitsWide() >= kLeastUnits && paper.width_mm <= 2000))
-    throw core::InputError("--width: found " + core::formatNumber(paper.width_mm) + " mm with text of " +
-                           core::formatNumber(paper.font_pt) + " pt, expected " +
-                           core::formatNumber(std::ceil(kLeastUnits / paper.unitsWide() * paper.width_mm)) +
+    throw core::InputError("--width: found " + files::formatNumber(paper.width_mm) + " mm with text of " +
+                           files::formatNumber(paper.font_pt) + " pt, expected " +
+                           files::formatNumber(std::ceil(kLeastUnits / paper.unitsWide() * paper.width_mm)) +
                            " to 2000 mm");
   return place;
 }
@@ -101,7 +102,7 @@ struct ScanArguments {
   int index = 0;
 };
 
-robot::Scan scanAt(const std::string& log_path, int index) {
+lidar::Scan scanAt(const std::string& log_path, int index) {
   logs::LogReader log(log_path);
   int count = 0;
   while (const auto entry = log.next())
@@ -137,18 +138,18 @@ void addPlotScan(CLI::App& plot, Context& context) {
 // --- plot obstacles
 
 int plotObstacles(const Context& context, const std::string& sensor, const PaperArguments& how) {
-  core::IniFile ini;
-  if (!context.config.empty()) ini = core::IniFile::load(context.config);
+  files::IniFile ini;
+  if (!context.config.empty()) ini = resources::readConfigFile(context.config);
   for (const auto& setting : context.settings) ini.setFromArgument(setting, "--set");
   if (!sensor.empty()) ini.set("turn_away", "sensor", sensor, "--sensor");
-  const auto config = explore::readTurnAwayConfig(ini);
+  const auto config = reach::readTurnAwayConfig(ini);
   if (context.print_config) {
     printParameters(config.parameters, context.json);
     return 0;
   }
   const auto [path, paper] = picturePlace(context, how, "obstacles.png");
-  const auto moments = explore::turnAway(config);
-  explore::drawTurnAway(moments, config, path, paper);
+  const auto moments = reach::turnAway(config);
+  reach::drawTurnAway(moments, config, path, paper);
   auto list = nlohmann::ordered_json::array();
   for (const auto& moment : moments)
     list.push_back(
@@ -182,7 +183,7 @@ int plotPlans(const Context& context, const std::vector<std::string>& plans, con
   auto list = nlohmann::ordered_json::array();
   for (const auto& name : plans) {
     pictures::Panel panel;
-    panel.map = world::loadPlan(core::resolvePlan(name));
+    panel.map = world::loadPlan(resources::resolvePlan(name));
     panel.T_world_map =
         core::inverse(panel.map.T_world_plan);  // beside one another, each from its own corner
     panel.title = panel.map.name;
@@ -216,11 +217,11 @@ void addPlotPlans(CLI::App& plot, Context& context) {
 
 int plotJournal(const Context& context, const std::string& folder, const PaperArguments& how) {
   const auto [path, paper] = picturePlace(context, how, "journal.png");
-  const auto run = run::loadRun(folder);
+  const auto run = results::loadRun(folder);
   const std::string file = folder + "/journal.csv";
   if (!std::filesystem::exists(file))
     throw core::InputError(folder + ": holds no journal.csv: method " + run.method + " wrote no journal");
-  const auto events = run::readJournal(file);
+  const auto events = results::readJournal(file);
   pictures::drawJournal(run.map, run.final_estimate.value_or(run.estimate), events,
                         "What " + run.method + " did", path, paper);
   sayPicture(context, {{"file", path}, {"events", events.size()}}, path);

@@ -7,12 +7,12 @@
 #include "apps/operation_files.h"
 #include "apps/plot.h"
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/pictures/picture.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/compare.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/world/plan.h"
 
 namespace slam::apps {
@@ -52,7 +52,7 @@ std::vector<core::Point2> naiveDots(const std::string& log_path,
     if (number < scanAfter(next)) continue;
     const core::Pose2 pose = T_map_robot[++next].pose;
     if (operations[next - 1].kind == 't') continue;
-    for (const auto& p_robot : robot::scanPoints(entry->scan)) {
+    for (const auto& p_robot : lidar::scanPoints(entry->scan)) {
       const core::Point2 dot = pose * p_robot;
       const std::pair<long, long> cell{std::lround(dot.x / kDot_m), std::lround(dot.y / kDot_m)};
       if (cells.insert(cell).second) dots.push_back(dot);
@@ -69,11 +69,11 @@ std::vector<core::Point2> naiveDots(const std::string& log_path,
 OperationsArguments completed(OperationsArguments arguments) {
   const std::string log = logBeside(arguments.file);
   const bool truth_given = !arguments.truth.empty();
-  if (!truth_given && !log.empty()) arguments.truth = record::findTruth(log);
+  if (!truth_given && !log.empty()) arguments.truth = truth::findTruth(log);
   // MRPT's own form of the truth begins at the origin, as the replay does: nothing to lay it on.
   if (!truth_given && std::filesystem::path(arguments.truth).extension() != ".tum") arguments.truth.clear();
   if (arguments.plan.empty() && !log.empty() && !arguments.truth.empty())
-    arguments.plan = record::findPlan(log);
+    arguments.plan = truth::findPlan(log);
   if (!arguments.plan.empty() && arguments.truth.empty())
     throw core::InputError("--plan needs --truth: the operation log does not say where the robot began");
   if (arguments.log.empty() && std::filesystem::exists(log)) arguments.log = log;
@@ -96,7 +96,7 @@ int plotOperations(const Context& context, const OperationsArguments& given, con
     for (auto& stamped : replayed) stamped.pose = truth.front().pose * stamped.pose;
     paths.push_back({truth, "truth", true});
   }
-  if (!arguments.plan.empty()) plan = world::loadPlan(core::resolvePlan(arguments.plan));
+  if (!arguments.plan.empty()) plan = world::loadPlan(resources::resolvePlan(arguments.plan));
   paths.push_back({replayed, "operations replayed", false});
   pictures::DrawnMarks dots{{}, "returns after moves: the naive map", true};
   if (!arguments.log.empty()) dots.places = naiveDots(arguments.log, operations, replayed);

@@ -4,9 +4,9 @@
 #include "apps/console.h"
 #include "apps/plot.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/word_list.h"
 #include "libslam/draw/axis_title.h"
+#include "libslam/files/files.h"
+#include "libslam/files/word_list.h"
 #include "libslam/pages/figures.h"
 #include "libslam/pages/report_data.h"
 #include "libslam/pictures/picture.h"
@@ -29,7 +29,7 @@ report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
   const auto& folder = arguments.inputs.front();
   ConsoleProgress progress(context.quiet);
   auto page = pages::gatherReport(folder, progress);
-  const auto wanted = core::namesIn(arguments.methods, ',');
+  const auto wanted = files::namesIn(arguments.methods, ',');
   if (wanted.empty()) return page;
   std::vector<std::string> known;
   for (const auto& run : page.runs) known.push_back(run.method);
@@ -99,8 +99,9 @@ std::string tableIn(const std::string& input, const std::string& name) {
 int plotSeeds(const Context& context, Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "seeds.png");
   const auto path = tableIn(arguments.inputs.front(), "results.csv");
-  arguments.seeds.methods = core::namesIn(arguments.methods, ',');
-  const auto charts = pages::seedBoxes(table::fromCsv(core::readTextFile(path), path), arguments.seeds, path);
+  arguments.seeds.methods = files::namesIn(arguments.methods, ',');
+  const auto charts =
+      pages::seedBoxes(table::fromCsv(files::readTextFile(path), path), arguments.seeds, path);
   draw::drawBoxes(charts, draw::axisTitle(arguments.seeds.metric), !arguments.is_linear, arguments.title,
                   file, paper);
   auto list = nlohmann::ordered_json::array();
@@ -117,7 +118,7 @@ int plotSeeds(const Context& context, Arguments& arguments) {
 int plotStress(const Context& context, const Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "stress.png");
   const auto path = tableIn(arguments.inputs.front(), "stress.csv");
-  const auto charts = study::stressCharts(table::fromCsv(core::readTextFile(path), path), path);
+  const auto charts = study::stressCharts(table::fromCsv(files::readTextFile(path), path), path);
   draw::drawCharts(charts, arguments.title, file, paper);
   sayPicture(context, {{"file", file}, {"varied", charts.front().x_title}}, file);
   return 0;

@@ -8,9 +8,9 @@
 #include "apps/console.h"
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/external_method.h"
 
 namespace slam::apps {
@@ -33,7 +33,7 @@ void printCheck(const run::ExternalRun& run, const std::string& name, std::size_
 }
 
 int checkPlugin(const Context& context, const Arguments& arguments) {
-  auto config = mapping::loadMethodConfig(core::configsFolder() + "/plugins", arguments.method);
+  auto config = mapping::loadMethodConfig(resources::configsFolder() + "/plugins", arguments.method);
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   const std::string name = std::filesystem::path(arguments.method).stem().string();
   if (!run::isExternal(config))
@@ -46,7 +46,7 @@ int checkPlugin(const Context& context, const Arguments& arguments) {
     return 0;
   }
   ConsoleProgress progress(context.quiet);
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   const auto run = run::runExternalMethod(method, arguments.log, context.seed, scratch / "work", progress);
   if (context.json)
     std::cout << nlohmann::ordered_json{{"method", name},

@@ -22,9 +22,9 @@
 #include "apps/quiet.h"
 #include "apps/stream_output.h"
 #include "libslam/core/error.h"
-#include "libslam/core/exit_code.h"
-#include "libslam/core/manifest.h"
+#include "libslam/process/exit_code.h"
 #include "libslam/process/worker.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::apps {
 namespace {
@@ -129,7 +129,7 @@ std::string resumeText(const CLI::App& app, const std::vector<std::string>& comm
     if (word != "--overwrite" && word != "--resume") words.push_back(word);
   words.front() = std::filesystem::path(words.front()).filename().string();
   words.emplace_back("--resume");
-  return "; go on with: " + core::shellQuoted(words);
+  return "; go on with: " + resources::shellQuoted(words);
 }
 
 /// What was printed has to arrive: a full disk behind standard output is a failure like any other.
@@ -160,7 +160,7 @@ int doCommand(CLI::App& app, Context& context, const std::vector<std::string>& c
   } catch (const core::IoError& error) {
     return report(context, core::oneLine(error.what()), ExitCode::kFailed, true);
   } catch (const std::exception& error) {
-    return report(context, core::oneLine(error.what()), core::exitCodeOf(error));
+    return report(context, core::oneLine(error.what()), process::exitCodeOf(error));
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include "apps/commands.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/relation_error.h"
@@ -26,7 +26,7 @@ int writeRelations(const Context& context, const Arguments& arguments) {
                            " m gives no relation, expected at least --step " +
                            std::to_string(arguments.step_m) + " m");
   const std::string file = context.output.empty() ? "truth.relations" : context.output;
-  core::refuseToOverwrite(file, context.overwrite);
+  files::refuseToOverwrite(file, context.overwrite);
   logs::writeRelations(relations, file);
   std::size_t places_seen_again = 0;
   for (const auto& relation : relations)

@@ -6,7 +6,7 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/pages/report_data.h"
 #include "libslam/report/html_report.h"
 
@@ -20,11 +20,11 @@ int writeReport(const Context& context, const std::string& folder) {
     throw core::InputError("--output: found '" + path +
                            "', expected a name that ends with .html: a report is one " +
                            "HTML page; 'rasterslam plot' writes figures as PDF");
-  core::refuseToOverwrite(path, context.overwrite);
+  files::refuseToOverwrite(path, context.overwrite);
   ConsoleProgress progress(context.quiet);
   const auto page = pages::gatherReport(folder, progress);
   const auto html = report::toHtml(page);
-  core::writeFileAtomically(path, html);
+  files::writeFileAtomically(path, html);
   if (context.json)
     std::cout << nlohmann::json{{"file", path}, {"bytes", html.size()}, {"runs", page.runs.size()}}.dump(2)
               << "\n";

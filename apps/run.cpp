@@ -9,9 +9,10 @@
 #include "apps/console.h"
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
-#include "libslam/explore/reach_goal.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/reach/reach_goal.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/told_commands.h"
@@ -33,7 +34,7 @@ run::Continuation continuationOf(const Arguments& arguments) {
   if (continuation.folder.empty())
     throw core::InputError(
         "--start belongs to --continue or --localise: a map of its own begins at the robot");
-  continuation.T_map_robot = explore::parsePose(arguments.start, "--start");
+  continuation.T_map_robot = reach::parsePose(arguments.start, "--start");
   return continuation;
 }
 
@@ -51,7 +52,7 @@ class NotFoundYet : public record::StepObserver {
       was_lost = was_lost || (entry.event == core::JournalEvent::kLost && entry.scan <= 0);
     }
     if (was_lost && !was_found)
-      note(context_, map_ + ": the robot is not found in it after " + core::formatNumber(kPatience_s) +
+      note(context_, map_ + ": the robot is not found in it after " + files::formatNumber(kPatience_s) +
                          " s of the log: is it the map of another place?");
   }
 
@@ -79,7 +80,7 @@ nlohmann::ordered_json journalJson(const std::vector<core::JournalLine>& journal
 nlohmann::ordered_json resultJson(const std::string& name, const std::string& folder,
                                   const run::MapRun& result, bool with_journal) {
   const auto& end = result.end;
-  const auto lost = run::lostInTheEnd(result.journal);
+  const auto lost = results::lostInTheEnd(result.journal);
   nlohmann::ordered_json json{{"folder", folder},
                               {"method", name},
                               {"scans", result.estimate.size()},
@@ -90,25 +91,27 @@ nlohmann::ordered_json resultJson(const std::string& name, const std::string& fo
                               {"peak_memory_mb", result.cost.peak_memory_mb}};
   if (!result.commands_from.empty()) json["commands_from"] = result.commands_from;
   if (result.lost_share) json["lost_share"] = *result.lost_share;
-  if (lost) json["lost"] = run::lostText(*lost);
-  if (result.stopped) json[core::wordOf(run::eventOf(*result.stopped))] = run::stopText(*result.stopped);
+  if (lost) json["lost"] = results::lostText(*lost);
+  if (result.stopped)
+    json[core::wordOf(results::eventOf(*result.stopped))] = results::stopText(*result.stopped);
   if (with_journal) json["journal"] = journalJson(result.journal);
   return json;
 }
 
 core::ExitCode exitCodeOf(const run::MapRun& result, bool is_lost) {
   if (!result.stopped) return is_lost ? core::ExitCode::kMethodFailed : core::ExitCode::kOk;
-  return result.stopped->reason == run::Stop::Reason::kFailed ? core::ExitCode::kMethodFailed
-                                                              : core::ExitCode::kInterrupted;
+  return result.stopped->reason == results::Stop::Reason::kFailed ? core::ExitCode::kMethodFailed
+                                                                  : core::ExitCode::kInterrupted;
 }
 
-std::string stoppedText(const run::Stop& stop) {
-  return core::wordOf(run::eventOf(stop)) + (" " + run::stopText(stop)) + "; what was mapped before is kept";
+std::string stoppedText(const results::Stop& stop) {
+  return core::wordOf(results::eventOf(stop)) + (" " + results::stopText(stop)) +
+         "; what was mapped before is kept";
 }
 
 int runMethod(const Context& context, const Arguments& arguments) {
-  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", arguments.method);
-  if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
+  auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", arguments.method);
+  if (!context.config.empty()) config.overrideWith(resources::readConfigFile(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   if (!arguments.lidars.empty()) config.set("method", "lidars", arguments.lidars, "--lidars");
   const std::string name = std::filesystem::path(arguments.method).stem().string();
@@ -123,13 +126,13 @@ int runMethod(const Context& context, const Arguments& arguments) {
       run::buildMap(arguments.log, config, name, context.seed, folder, context.overwrite, context.manifest(),
                     progress, true, continuationOf(arguments),
                     arguments.localised.empty() ? nullptr : &not_found, arguments.keep_partial);
-  const auto lost = run::lostInTheEnd(result.journal);
+  const auto lost = results::lostInTheEnd(result.journal);
   const auto exit_code = static_cast<int>(exitCodeOf(result, lost.has_value()));
   if (result.stopped)
     std::fprintf(stderr, "rasterslam: %s %s\n", name.c_str(), stoppedText(*result.stopped).c_str());
   if (lost)
     std::fprintf(stderr, "rasterslam: %s: %s and not found again\n", name.c_str(),
-                 run::lostText(*lost).c_str());
+                 results::lostText(*lost).c_str());
   if (result.steps_without_odometry > 0)
     note(context, arguments.log + ": " + std::to_string(result.steps_without_odometry) + " of " +
                       std::to_string(result.estimate.size() - 1) +
@@ -144,7 +147,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
     return exit_code;
   }
   if (arguments.journal)
-    std::cout << (!result.journal.empty() ? run::journalText(result.journal)
+    std::cout << (!result.journal.empty() ? results::journalText(result.journal)
                   : result.final_estimate ? "method " + name + " has nothing to tell\n"
                                           : "method " + name + " wrote no journal\n")
               << "\n"
@@ -153,7 +156,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
               result.estimate.size(), result.path_length_m, end.x, end.y, core::radToDeg(end.phi));
   std::string p99;
   if (std::isfinite(result.cost.p99_ms_per_scan))
-    p99 = " (p99 " + core::formatNumber(std::round(1000 * result.cost.p99_ms_per_scan) / 1000) + ")";
+    p99 = " (p99 " + files::formatNumber(std::round(1000 * result.cost.p99_ms_per_scan) / 1000) + ")";
   std::printf("%.3f ms per scan%s, %.0f x real time, %.1f MB\n", result.cost.mean_ms_per_scan, p99.c_str(),
               result.cost.real_time_factor, result.cost.peak_memory_mb);
   if (result.lost_share && (*result.lost_share > 0 || !arguments.localised.empty()))
@@ -161,7 +164,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
   if (result.filled_poses > 0)
     std::printf("%d scans have no pose of its own, but one from the odometry between their neighbours'\n",
                 result.filled_poses);
-  const auto manifest = core::readManifest(folder + "/manifest.json");
+  const auto manifest = resources::readManifest(folder + "/manifest.json");
   for (const auto& [file, meaning] : manifest.files)
     std::printf("  %-32s %s\n", (folder + "/" + file).c_str(), meaning.c_str());
   return exit_code;

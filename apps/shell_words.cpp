@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/word_list.h"
+#include "libslam/files/word_list.h"
 #include "libslam/mapping/method_types.h"
 
 namespace slam::apps {
@@ -34,7 +34,7 @@ std::vector<std::string> choicesOf(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const auto open = type.find('{'), close = type.rfind('}');
   if (open == std::string::npos || close == std::string::npos || close < open) return {};
-  return core::splitAt(type.substr(open + 1, close - open - 1), ',');
+  return files::splitAt(type.substr(open + 1, close - open - 1), ',');
 }
 
 /// Values of an option or a positional argument; behind a comma those of the next in a list.

@@ -6,8 +6,8 @@
 
 #include "apps/console.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::apps {
 namespace {
@@ -30,11 +30,11 @@ Shown takePicture(const Show& what, const ShowFlags& flags, const Loop& loop, vi
     if (!observer.moment()) throw;
   }
   if (!observer.moment())
-    throw core::InputError("--at: found " + core::formatNumber(flags.at_s) + ", expected at most " +
-                           core::formatNumber(maker.time_s()) + ", the time of the last scan");
+    throw core::InputError("--at: found " + files::formatNumber(flags.at_s) + ", expected at most " +
+                           files::formatNumber(maker.time_s()) + ", the time of the last scan");
   scene.show(*observer.moment(), {});
-  core::writeFileAtomically(flags.screenshot,
-                            viewer::renderPng(scene, viewer::cameraOver(scene.area(), scene.size())));
+  files::writeFileAtomically(flags.screenshot,
+                             viewer::renderPng(scene, viewer::cameraOver(scene.area(), scene.size())));
   return Shown::kPicture;
 }
 

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/explore/goal_methods.h"
 #include "libslam/live/stage.h"
 #include "libslam/live/window.h"
+#include "libslam/reach/goal_methods.h"
 #include "libslam/robot/drive.h"
 #include "libslam/viewer/live_scene.h"
 #include "libslam/world/plan.h"
@@ -34,7 +34,7 @@ struct Show {
   std::vector<std::pair<int, viewer::Connection>> loops;
   std::optional<core::Point2> goal;  ///< of a drive to a goal, map frame
   live::Hands hands = live::Hands::kWatch;
-  std::optional<explore::StrategicOverlay> strategic;  ///< of the original goal navigation
+  std::optional<reach::StrategicOverlay> strategic;  ///< of the original goal navigation
   /// With Hands::kDrive: why the robot cannot stand there; "" when it can.
   std::function<std::string(const core::Pose2&)> refusal;
 };

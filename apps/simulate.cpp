@@ -9,10 +9,12 @@
 #include "apps/plan_warnings.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/record/record.h"
 #include "libslam/record/user_drive.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::apps {
 namespace {
@@ -62,15 +64,15 @@ int simulate(const Context& context, const Arguments& arguments) {
     printParameters(config.parameters, context.json);
     return 0;
   }
-  const std::string plan_path = core::resolvePlan(arguments.plan);
+  const std::string plan_path = resources::resolvePlan(arguments.plan);
   const auto commands = readUserCommands(arguments.commands);
   const std::string log_path = context.output.empty() ? "run.rawlog" : context.output;
-  for (const auto& path : {log_path, record::logStem(log_path) + ".gt.tum"})
-    core::refuseToOverwrite(path, context.overwrite);
+  for (const auto& path : {log_path, truth::logStem(log_path) + ".gt.tum"})
+    files::refuseToOverwrite(path, context.overwrite);
   const auto plan = world::loadPlan(plan_path);
   warnOfPlan(context, plan_path);
   auto manifest = context.manifest();
-  manifest.inputs[plan_path] = core::fileSha256(plan_path);
+  manifest.inputs[plan_path] = resources::fileSha256(plan_path);
   noteCommands(arguments.commands, manifest);
   ConsoleProgress progress(context.quiet);
   record::UserDrive drive;

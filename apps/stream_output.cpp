@@ -11,7 +11,7 @@
 
 #include "apps/commands.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 namespace slam::apps {
 namespace {
@@ -68,7 +68,7 @@ int withStreamedOutput(const CLI::App& app, Context& context) {
   if (!isStandardOutput(context.output)) return context.action();
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   context.output = scratch / ("output" + streamSuffix(*command));
   int exit_code = 0;
   {

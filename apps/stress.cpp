@@ -6,10 +6,10 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/study/stress.h"
-#include "libslam/study/sweep_merge.h"
+#include "libslam/summary/sweep_merge.h"
 #include "libslam/sweep/sweep.h"
 #include "libslam/table/latex.h"
 
@@ -26,7 +26,7 @@ struct Arguments {
 
 void writeResult(const study::StressResult& result, const std::string& key, const std::string& folder) {
   const auto write = [&](const std::string& suffix, const std::string& text) {
-    core::writeFileAtomically(folder + "/stress." + suffix, text);
+    files::writeFileAtomically(folder + "/stress." + suffix, text);
   };
   write("csv", table::toCsv(result.all));
   write("json", table::toJson(result.all));
@@ -34,10 +34,10 @@ void writeResult(const study::StressResult& result, const std::string& key, cons
   write("md", table::toMarkdown(result.main));
   write("tex", table::toLatex(result.main, {"tab:stress", {}}));
   draw::drawCharts(result.charts, "Stress: " + key, folder + "/stress.png");
-  auto manifest = core::readManifest(folder + "/manifest.json");
+  auto manifest = resources::readManifest(folder + "/manifest.json");
   manifest.files["stress.txt"] = "where methods break; also .md, .tex, .csv, .json";
   manifest.files["stress.png"] = "median error and share of failed runs over what was varied";
-  core::writeManifest(manifest, folder + "/manifest.json");
+  resources::writeManifest(manifest, folder + "/manifest.json");
 }
 
 int stressMethods(const Context& context, Arguments& arguments) {
@@ -56,10 +56,10 @@ int stressMethods(const Context& context, Arguments& arguments) {
   how.cell_progress = &cell_progress;
   const auto outcome = sweep::sweep(sweep, how, context.manifest(), progress);
   for (const auto& line : outcome.lost) std::cerr << "rasterslam: " << line << "\n";
-  study::MergeRequest whole;
+  summary::MergeRequest whole;
   whole.folders = {context.output};
   whole.output = context.output;
-  const auto merged = study::mergeSweep(whole, context.manifest(), core::silentProgress());
+  const auto merged = summary::mergeSweep(whole, context.manifest(), core::silentProgress());
   const auto result = study::stress(suite, merged.plan, merged.results, arguments.limits);
   writeResult(result, suite.key, context.output);
   if (context.json)

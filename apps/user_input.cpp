@@ -3,8 +3,9 @@
 #include <iostream>
 #include <iterator>
 
-#include "libslam/core/files.h"
-#include "libslam/record/carry_file.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/truth/carry_file.h"
 
 namespace slam::apps {
 namespace {
@@ -23,7 +24,7 @@ void addCarry(CLI::App* command, std::vector<std::string>& carries) {
       ->expected(1);
 }
 
-core::IniFile withCarries(core::IniFile config, const std::vector<std::string>& carries) {
+files::IniFile withCarries(files::IniFile config, const std::vector<std::string>& carries) {
   std::string all;
   for (const auto& carry : carries) all += (all.empty() ? "" : " ") + carry;
   if (!carries.empty()) config.set("events", "carry", all, "--carry");
@@ -38,21 +39,21 @@ CLI::Option* addCommands(CLI::App* command, std::string& path) {
 
 std::vector<robot::UserCommand> readUserCommands(const std::string& path) {
   if (path.empty()) return {};
-  if (path != kStandardInput) return robot::parseUserCommands(core::readTextFile(path), path);
+  if (path != kStandardInput) return robot::parseUserCommands(files::readTextFile(path), path);
   const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
   return robot::parseUserCommands(text, "standard input");
 }
 
-void noteCommands(const std::string& path, core::Manifest& manifest) {
+void noteCommands(const std::string& path, resources::Manifest& manifest) {
   if (path.empty()) return;
   manifest.results["driven"] = "by commands";
-  if (path != kStandardInput) manifest.inputs[path] = core::fileSha256(path);
+  if (path != kStandardInput) manifest.inputs[path] = resources::fileSha256(path);
 }
 
 std::string eventLines(const record::Recording& recording) {
   std::string lines;
   for (const auto& carry : recording.carries)
-    lines += "  " + record::carryText(carry, sim::Simulator::kStartTime_s) + "\n";
+    lines += "  " + truth::carryText(carry, sim::Simulator::kStartTime_s) + "\n";
   if (recording.carries_left > 0)
     lines += "  " + std::to_string(recording.carries_left) + " of the carries came after the end\n";
   return lines;

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
+#include "libslam/files/ini.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/robot/user_command.h"
 
 namespace slam::apps {
@@ -14,7 +14,7 @@ namespace slam::apps {
 void addCarry(CLI::App* command, std::vector<std::string>& carries);
 
 /// The configuration with them on top.
-core::IniFile withCarries(core::IniFile config, const std::vector<std::string>& carries);
+files::IniFile withCarries(files::IniFile config, const std::vector<std::string>& carries);
 
 /// --commands FILE: a person's commands to the robot.
 CLI::Option* addCommands(CLI::App* command, std::string& path);
@@ -24,7 +24,7 @@ CLI::Option* addCommands(CLI::App* command, std::string& path);
 std::vector<robot::UserCommand> readUserCommands(const std::string& path);
 
 /// Notes in a manifest which file they are from.
-void noteCommands(const std::string& path, core::Manifest& manifest);
+void noteCommands(const std::string& path, resources::Manifest& manifest);
 
 /// A line for every time that the robot was kidnapped, and one for the orders that the end came before.
 std::string eventLines(const record::Recording& recording);

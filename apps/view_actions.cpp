@@ -12,11 +12,8 @@
 #include "apps/show.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
 #include "libslam/explore/explore.h"
-#include "libslam/explore/goal_methods.h"
-#include "libslam/explore/reach_goal.h"
+#include "libslam/files/files.h"
 #include "libslam/live/drive_seat.h"
 #include "libslam/live/mapped_loop.h"
 #include "libslam/live/replay.h"
@@ -24,11 +21,16 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/trajectory_error.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/reach/goal_methods.h"
+#include "libslam/reach/reach_goal.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
 #include "libslam/score/compare.h"
 #include "libslam/sim/standing_room.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::apps {
 namespace fs = std::filesystem;
@@ -37,7 +39,7 @@ namespace {
 /// Instead of a method: no map, the pose by the wheels.
 constexpr const char* kWheelsOnly = "odometry";
 
-core::IniFile configOf(const Context& context, const ViewArguments& arguments) {
+files::IniFile configOf(const Context& context, const ViewArguments& arguments) {
   return withCarries(simulationConfig(context, arguments.simulation), arguments.carries);
 }
 
@@ -61,15 +63,15 @@ std::string nameOf(const std::string& path) {
 struct Start {
   std::string plan_path;
   world::Plan plan;
-  core::Manifest manifest;
+  resources::Manifest manifest;
 };
 
 Start startIn(const Context& context, const std::string& input) {
   Start start;
-  start.plan_path = core::resolvePlan(input);
+  start.plan_path = resources::resolvePlan(input);
   start.plan = world::loadPlan(start.plan_path);
   start.manifest = context.manifest();
-  start.manifest.inputs[start.plan_path] = core::fileSha256(start.plan_path);
+  start.manifest.inputs[start.plan_path] = resources::fileSha256(start.plan_path);
   return start;
 }
 
@@ -82,8 +84,8 @@ Show showOf(const Start& start, const record::RecordConfig& config, std::uint64_
 }
 
 void refuseToOverwriteLog(const Context& context, const std::string& log_path) {
-  for (const auto& path : {log_path, record::logStem(log_path) + ".gt.tum"})
-    core::refuseToOverwrite(path, context.overwrite);
+  for (const auto& path : {log_path, truth::logStem(log_path) + ".gt.tum"})
+    files::refuseToOverwrite(path, context.overwrite);
 }
 
 std::string writtenText(const record::Recording& recording) {
@@ -104,7 +106,7 @@ int viewSimulate(const Context& context, const ViewArguments& arguments) {
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
   const auto start = startIn(context, arguments.input);
   if (!context.output.empty()) refuseToOverwriteLog(context, context.output);
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   const std::string log_path = context.output.empty() ? scratch / "run.rawlog" : context.output;
   Show what = showOf(start, config, context.seed);
   what.title = "simulate " + start.plan.name;
@@ -124,7 +126,7 @@ namespace {
 /// The method that maps along while somebody drives; nothing for "odometry".
 std::optional<mapping::MapBuilder> mapperOf(const std::string& slam, std::uint64_t seed) {
   if (slam == kWheelsOnly) return std::nullopt;
-  return mapping::makeMapBuilder(mapping::loadMethodConfig(core::configsFolder() + "/methods", slam),
+  return mapping::makeMapBuilder(mapping::loadMethodConfig(resources::configsFolder() + "/methods", slam),
                                  nameOf(slam), seed);
 }
 
@@ -140,7 +142,7 @@ int viewDrive(const Context& context, const ViewArguments& arguments) {
   const auto start = startIn(context, arguments.input);
   const auto commands = readUserCommands(arguments.commands);
   auto mapper = mapperOf(arguments.slam, context.seed);
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   const std::string log_path =
       is_picture ? scratch / "run.rawlog" : (context.output.empty() ? "run.rawlog" : context.output);
   refuseToOverwriteLog(context, log_path);
@@ -179,10 +181,10 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
   const auto& config = request.strategies.front().record;
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
   const auto start = startIn(context, arguments.input);
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   request.plan_path = start.plan_path;
   request.slam = arguments.slam;
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = context.output.empty() ? scratch / "exploration" : context.output;
   request.seed = context.seed;
   request.overwrite = context.overwrite;
@@ -203,18 +205,18 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
 
 int viewNavigate(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
-  explore::ReachGoalRequest request;
-  request.config = explore::readReachGoalConfig(configOf(context, arguments));
+  reach::ReachGoalRequest request;
+  request.config = reach::readReachGoalConfig(configOf(context, arguments));
   if (context.print_config) return printParameters(request.config.parameters, context.json), 0;
-  request.p_world_goal = explore::parsePlace(arguments.goal, "--goal");
+  request.p_world_goal = reach::parsePlace(arguments.goal, "--goal");
   const auto start = startIn(context, arguments.input);
   request.plan = record::planOfVisit(start.plan, request.config.living, context.seed);
-  request.T_world_start = explore::goalStart(request.plan, request.config, arguments.start);
+  request.T_world_start = reach::goalStart(request.plan, request.config, arguments.start);
   request.methods = {arguments.method};
   const std::string slam = navigatorsSlam(arguments.slam, request.config.camera.has_value());
   request.slam = slam == "odometry" ? "" : slam;
-  request.methods_folder = core::configsFolder() + "/methods";
-  const core::ScratchFolder scratch;
+  request.methods_folder = resources::configsFolder() + "/methods";
+  const files::ScratchFolder scratch;
   request.output = context.output.empty() ? scratch / "navigation" : context.output;
   request.seed = context.seed;
   request.overwrite = context.overwrite;
@@ -225,13 +227,13 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
   what.goal = core::inverse(what.T_scene_map) * request.p_world_goal;
   what.title = "navigate " + start.plan.name;
   what.method = arguments.method + " on " + nameOf(slam);
-  what.strategic = explore::strategicOverlay(arguments.method, request.config.navigate, request.config.robot,
-                                             request.config.lidar);
+  what.strategic = reach::strategicOverlay(arguments.method, request.config.navigate, request.config.robot,
+                                           request.config.lidar);
   ConsoleProgress progress(context.quiet);
   std::string written;
   const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage*) {
     request.observer = &observer;
-    const auto comparison = explore::reachGoal(request, start.manifest, progress);
+    const auto comparison = reach::reachGoal(request, start.manifest, progress);
     written = table::toText(comparison.table);
     if (!context.output.empty()) written += "\npaths, states, pictures: " + context.output;
   });
@@ -243,7 +245,7 @@ namespace {
 /// What is known to be true of a log, laid under what is shown. `path` in the map frame, nothing for a method
 /// that is to begin.
 void addTruth(const std::string& log_path, const std::string& given_plan, Show& what) {
-  const auto truth = record::truthFiles(log_path, "", given_plan);
+  const auto truth = truth::truthFiles(log_path, "", given_plan);
   if (!truth.trajectory.empty()) {
     what.truth = logs::readTrajectory(truth.trajectory);
     const auto first = logs::LogReader(log_path).next();
@@ -256,12 +258,12 @@ void addTruth(const std::string& log_path, const std::string& given_plan, Show& 
 
 int viewRun(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
-  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", arguments.method);
-  if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
+  auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", arguments.method);
+  if (!context.config.empty()) config.overrideWith(resources::readConfigFile(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   const std::string name = nameOf(arguments.method);
   if (context.print_config) return printParameters(run::methodParameters(config), context.json), 0;
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   const std::string folder = context.output.empty() ? scratch / name : context.output;
   Show what;
   what.title = name + " on " + fs::path(arguments.input).filename().string();

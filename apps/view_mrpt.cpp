@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 namespace slam::apps {
 namespace {
@@ -40,8 +40,8 @@ bool isSet(const char* variable) {
 
 void showWithMrpt(const std::string& file) {
   const Viewer& viewer = viewerOf(file);
-  core::requireReadableFile(file);
-  const std::string program = core::findProgram(viewer.program);
+  files::requireReadableFile(file);
+  const std::string program = files::findProgram(viewer.program);
   if (program.empty())
     throw core::IoError(std::string(viewer.program) + ": not found in PATH, needed to show " + file +
                         " (Debian: apt install " + viewer.package + ")");

@@ -9,9 +9,9 @@
 #include "apps/console.h"
 #include "libslam/check/plan_check.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/pictures/plan_changes.h"
+#include "libslam/resources/resources.h"
 #include "libslam/robot/drive.h"
 
 namespace slam::apps {
@@ -39,7 +39,7 @@ void printFigures(const check::PlanCheck& check) {
   const auto& f = check.figures;
   const auto& plan = check.after;
   std::printf("size        %d x %d pixels of %s m: %.1f x %.1f m, walls %.1f x %.1f m\n", plan.columns,
-              plan.rows, core::formatNumber(plan.resolution_m).c_str(), plan.columns * plan.resolution_m,
+              plan.rows, files::formatNumber(plan.resolution_m).c_str(), plan.columns * plan.resolution_m,
               plan.rows * plan.resolution_m, f.width_m, f.height_m);
   std::printf("cells       %.1f %% free, %.1f %% wall, %.1f %% unknown; %.0f MB to simulate in\n",
               100 * f.free_share, 100 * f.occupied_share, 100 * f.unknown_share, f.megabytes);
@@ -113,7 +113,7 @@ void requireWritable(const std::string& yaml_path, const std::vector<std::string
         throw core::InputError("--output: found '" + yaml_path + "', which would replace the plan's own " +
                                input);
     }
-    core::refuseToOverwrite(path, overwrite);
+    files::refuseToOverwrite(path, overwrite);
   }
 }
 
@@ -142,16 +142,16 @@ void requireLittleHidden(const check::PlanCheck& check, const std::string& plan_
 }
 
 int checkWorld(const Context& context, const Arguments& arguments) {
-  const std::string plan_path = core::resolvePlan(arguments.plan);
+  const std::string plan_path = resources::resolvePlan(arguments.plan);
   check::PlanCheckOptions options;
   options.robot_side_m = robot::RobotOptions().side_m;
-  core::IniFile flags;
+  files::IniFile flags;
   const auto give = [&](const char* key, double value, const char* flag) {
-    flags.set("check", key, core::formatNumber(value), flag);
+    flags.set("check", key, files::formatNumber(value), flag);
   };
   if (arguments.robot_side_m != 0) give("robot_side_m", arguments.robot_side_m, "--robot-side");
   if (arguments.widest_gap_m >= 0) give("widest_gap_m", arguments.widest_gap_m, "--close-gaps");
-  core::readParameters(flags, check::PlanCheckOptions::table(), options);
+  files::readParameters(flags, check::PlanCheckOptions::table(), options);
   if (arguments.resolution_m != 0) options.resolution_m = arguments.resolution_m;
   options.only = arguments.only;
   options.skip = arguments.skip;
@@ -230,7 +230,7 @@ void addWorldCheck(CLI::App& world, Context& context) {
   command
       ->add_option("--close-gaps", arguments->widest_gap_m,
                    "widest gap in a drawing's outline that is closed, metres (default " +
-                       core::formatNumber(check::PlanCheckOptions().widest_gap_m) + ")")
+                       files::formatNumber(check::PlanCheckOptions().widest_gap_m) + ")")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--only", arguments->only, "look for these keys only")->delimiter(',');
   command->add_option("--skip", arguments->skip, "do not look for these keys")->delimiter(',');

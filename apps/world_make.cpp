@@ -7,9 +7,10 @@
 
 #include "apps/commands.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/pictures/picture.h"
 #include "libslam/record/generated_world.h"
+#include "libslam/resources/ini_yaml.h"
 
 namespace slam::apps {
 namespace {
@@ -20,33 +21,33 @@ struct Arguments {
 };
 
 /// "80x50" as width and height in metres.
-void setSize(core::IniFile& config, const std::string& size) {
+void setSize(files::IniFile& config, const std::string& size) {
   const size_t cross = size.find('x');
   double width = 0, height = 0;
-  if (cross == std::string::npos || !core::parseNumber(size.substr(0, cross), width) ||
-      !core::parseNumber(size.substr(cross + 1), height) || width < 5 || height < 5)
+  if (cross == std::string::npos || !files::parseNumber(size.substr(0, cross), width) ||
+      !files::parseNumber(size.substr(cross + 1), height) || width < 5 || height < 5)
     throw core::InputError("--size: found '" + size +
                            "', expected width x height in metres, each 5 to 200, such as 80x50");
-  config.set("building", "width_m", core::formatNumber(width), "--size");
-  config.set("building", "height_m", core::formatNumber(height), "--size");
+  config.set("building", "width_m", files::formatNumber(width), "--size");
+  config.set("building", "height_m", files::formatNumber(height), "--size");
 }
 
-core::IniFile configOf(const Context& context, const Arguments& arguments) {
-  core::IniFile config;
-  if (!context.config.empty()) config = core::IniFile::load(context.config);
+files::IniFile configOf(const Context& context, const Arguments& arguments) {
+  files::IniFile config;
+  if (!context.config.empty()) config = resources::readConfigFile(context.config);
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   if (!arguments.size.empty()) setSize(config, arguments.size);
   if (arguments.resolution_m >= 0)
-    config.set("building", "resolution_m", core::formatNumber(arguments.resolution_m), "--resolution");
-  core::rejectUnknownSections(config, {"building"});
+    config.set("building", "resolution_m", files::formatNumber(arguments.resolution_m), "--resolution");
+  files::rejectUnknownSections(config, {"building"});
   return config;
 }
 
 int makeWorld(const Context& context, const Arguments& arguments) {
   buildings::BuildingOptions options;
-  std::vector<core::ParameterReport> parameters;
-  const core::IniFile config = configOf(context, arguments);
-  core::readParameters(config, buildings::BuildingOptions::table(), options, &parameters);
+  std::vector<files::ParameterReport> parameters;
+  const files::IniFile config = configOf(context, arguments);
+  files::readParameters(config, buildings::BuildingOptions::table(), options, &parameters);
   if (context.print_config) {
     printParameters(parameters, context.json);
     return 0;
@@ -63,7 +64,7 @@ int makeWorld(const Context& context, const Arguments& arguments) {
   if (options.glass > 0)
     files.push_back(std::filesystem::path(path).replace_extension(".materials.png").string());
   if (!arguments.preview.empty()) files.push_back(arguments.preview);
-  for (const auto& file : files) core::refuseToOverwrite(file, context.overwrite);
+  for (const auto& file : files) files::refuseToOverwrite(file, context.overwrite);
 
   auto building = record::generateWorld(arguments.kind, config, context.seed);
   world::Plan& plan = building.plan;
@@ -112,7 +113,7 @@ void addWorldMake(CLI::App& world, Context& context) {
   command->add_option("--size", arguments->size, "width x height in metres, each 5 to 200, such as 80x50");
   command->add_option(
       "--resolution", arguments->resolution_m,
-      "metres a cell (default " + core::formatNumber(buildings::BuildingOptions().resolution_m) + ")");
+      "metres a cell (default " + files::formatNumber(buildings::BuildingOptions().resolution_m) + ")");
   command->add_option("--preview", arguments->preview, "also draw the plan into this png, with a scale");
   addSeed(command, context);
   addConfig(command, context);

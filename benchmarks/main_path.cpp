@@ -7,13 +7,13 @@
 #include <memory>
 
 #include "libslam/buildings/generator.h"
-#include "libslam/core/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/process/worker.h"
+#include "libslam/rays/ray_caster.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/world/ray_caster.h"
 
 namespace {
 using namespace slam;
@@ -22,7 +22,7 @@ constexpr int kBeams = 541;
 const double kFov_rad = core::degToRad(270), kMaxRange_m = 30;
 
 const world::Plan& plan() {
-  static const world::Plan office = world::loadPlan(core::resolvePlan("office_loop"));
+  static const world::Plan office = world::loadPlan(resources::resolvePlan("office_loop"));
   return office;
 }
 
@@ -30,7 +30,7 @@ const world::Plan& plan() {
 const std::vector<core::Pose2>& poses() {
   static const std::vector<core::Pose2> visited = [] {
     const testing::TempFolder folder;
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "300", "benchmark");
     std::vector<core::Pose2> result;
     record::record(plan(), record::readRecordConfig(ini), 1, folder / "run.rawlog", {},
@@ -43,11 +43,11 @@ const std::vector<core::Pose2>& poses() {
 }
 
 void castOurs(benchmark::State& state) {
-  const world::BeamTable beams(-kFov_rad / 2, kFov_rad / (kBeams - 1), kBeams);
+  const rays::BeamTable beams(-kFov_rad / 2, kFov_rad / (kBeams - 1), kBeams);
   std::vector<float> ranges;
   size_t i = 0;
   for (auto _ : state) {
-    world::castScan(plan(), poses()[i++ % poses().size()], beams, kMaxRange_m, ranges);
+    rays::castScan(plan(), poses()[i++ % poses().size()], beams, kMaxRange_m, ranges);
     benchmark::DoNotOptimize(ranges.data());
   }
   state.counters["Mrays/s"] =
@@ -78,7 +78,7 @@ BENCHMARK(castMrpt)->Name("cast/MRPT laserScanSimulator (approximate)")->MinTime
 
 /// Truth, odometry and a scan with noise per step, without a file. 361 beams over 180 degrees.
 void senseOnly(benchmark::State& state) {
-  robot::LidarOptions lidar;
+  lidar::LidarOptions lidar;
   lidar.fov_rad = core::kPi;
   lidar.beams = 361;
   const auto start = world::findStartPose(plan(), 0.5);
@@ -93,7 +93,7 @@ BENCHMARK(senseOnly)->Name("simulate, 361 beams with noise, no file")->MinTime(0
 
 void simulateAnHour(benchmark::State& state) {
   const testing::TempFolder folder;
-  core::IniFile ini;
+  files::IniFile ini;
   for (const auto& [key, value] : {std::pair{"rate_hz", "10"}, std::pair{"beams", "361"}})
     ini.set("lidar", key, value, "benchmark");
   ini.set("simulation", "duration_s", "3600", "benchmark");
@@ -114,7 +114,7 @@ BENCHMARK(simulateAnHour)
 
 void simulate(benchmark::State& state) {
   const testing::TempFolder folder;
-  core::IniFile ini;
+  files::IniFile ini;
   ini.set("simulation", "duration_s", "120", "benchmark");
   const auto config = record::readRecordConfig(ini);
   double simulated_s = 0, scans = 0;
@@ -131,7 +131,7 @@ BENCHMARK(simulate)->Name("simulate and write a rawlog, 541 beams")->Unit(benchm
 
 void mapWith(benchmark::State& state, const std::string& method) {
   const testing::TempFolder folder;
-  core::IniFile ini;
+  files::IniFile ini;
   ini.set("simulation", "duration_s", "60", "benchmark");
   record::record(plan(), record::readRecordConfig(ini), 1, folder / "run.rawlog", {}, core::silentProgress());
   // A process of its own, so that the memory is the method's alone.
@@ -139,7 +139,7 @@ void mapWith(benchmark::State& state, const std::string& method) {
     process::runWorker(
         {RASTERSLAM_PROGRAM, "run", method, folder / "run.rawlog", "-o", folder / "out", "--overwrite", "-q"},
         core::silentProgress());
-  const run::Cost cost = run::loadRun(folder / "out").cost;
+  const results::Cost cost = results::loadRun(folder / "out").cost;
   state.counters["ms/scan"] = cost.mean_ms_per_scan;
   state.counters["p99 ms"] = cost.p99_ms_per_scan;
   state.counters["x real time"] = cost.real_time_factor;
@@ -149,7 +149,7 @@ void mapWith(benchmark::State& state, const std::string& method) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  for (const auto& method : core::namesInFolder(core::configsFolder() + "/methods", ".ini"))
+  for (const auto& method : resources::namesInFolder(resources::configsFolder() + "/methods", ".ini"))
     benchmark::RegisterBenchmark(("map/" + method).c_str(), mapWith, method)
         ->Iterations(1)
         ->Unit(benchmark::kMillisecond);

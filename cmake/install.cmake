@@ -32,7 +32,7 @@ if(RASTERSLAM_PROGRAMS)
   install(FILES apps/completion/_rasterslam DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT programs)
 endif()
 
-# The data is found beside the program (libslam/core/data_folder.h), wherever the whole is moved.
+# The data is found beside the program (libslam/resources/data_folder.h), wherever the whole is moved.
 set(data ${CMAKE_INSTALL_DATADIR}/rasterslam)
 file(WRITE ${PROJECT_BINARY_DIR}/VERSION "${PROJECT_VERSION}\n")
 install(DIRECTORY configs datasets/worlds docs/learn DESTINATION ${data} COMPONENT programs USE_SOURCE_PERMISSIONS)
@@ -64,14 +64,12 @@ foreach(room IN LISTS RASTERSLAM_EXPORTED)
             LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libraries NAMELINK_COMPONENT development
             INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   endforeach()
-  if(NOT room STREQUAL "base")
-    file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/libslam/${room}/*.h)
-    list(REMOVE_ITEM headers libslam/core/json_entry.h)  # for our own sources: it wants nlohmann_json
-    foreach(header IN LISTS headers)
-      get_filename_component(folder ${header} DIRECTORY)
-      install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT development)
-    endforeach()
-  endif()
+  file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/libslam/${room}/*.h)
+  list(REMOVE_ITEM headers libslam/resources/json_entry.h)  # for our own sources: it wants nlohmann_json
+  foreach(header IN LISTS headers)
+    get_filename_component(folder ${header} DIRECTORY)
+    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT development)
+  endforeach()
   rasterslam_close_rooms(${room} below packages)
   list(REMOVE_ITEM packages nlohmann_json Boost)  # headers alone, of which ours show nothing
   foreach(package IN LISTS packages)

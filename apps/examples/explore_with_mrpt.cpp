@@ -6,26 +6,26 @@
 #include <mrpt/random/RandomGenerators.h>
 #include <mrpt/slam/CMetricMapBuilderRBPF.h>
 #include "libslam/builders/mrpt_compat.h"
-#include "libslam/core/resources.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/mrptnav/mrpt_explorer.h"
 #include "libslam/record/record.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/resources/resources.h"
 
 int main() {
-  const auto plan = slam::world::loadPlan(slam::core::resolvePlan("flat"));
+  const auto plan = slam::world::loadPlan(slam::resources::resolvePlan("flat"));
   const auto start = slam::record::startPose(plan, slam::record::readRecordConfig({}));
   slam::sim::Simulator robot(plan, {}, {}, {}, start, /*seed=*/1);
   mrpt::random::getRandomGenerator().randomize(1);
   mrpt::slam::CMetricMapBuilderRBPF::TConstructionOptions options;
-  const mrpt::config::CConfigFile config(slam::core::configsFolder() + "/mrpt/rbpf-slam.ini");
+  const mrpt::config::CConfigFile config(slam::resources::configsFolder() + "/mrpt/rbpf-slam.ini");
   options.loadFromConfigFile(config, "MappingApplication");
   mrpt::slam::CMetricMapBuilderRBPF slam(options);
   slam::mrptnav::MrptExplorer explorer("nearest_frontier");
   slam::mrptnav::MrptMotion motion;
   for (auto sensed = robot.sense(); !motion.finished;) {
     mrpt::obs::CActionRobotMovement2D wheels;
-    wheels.computeFromOdometry(mrpt::poses::CPose2D(slam::robot::toMrpt(sensed.T_previous_robot)), {});
-    const auto scan = slam::robot::toMrpt(sensed.scan);
+    wheels.computeFromOdometry(mrpt::poses::CPose2D(slam::lidar::toMrpt(sensed.T_previous_robot)), {});
+    const auto scan = slam::lidar::toMrpt(sensed.scan);
     mrpt::obs::CActionCollection actions(wheels);
     mrpt::obs::CSensoryFrame frame;
     frame.insert(scan);

@@ -1,16 +1,16 @@
 // Finds a robot in a map of before, from anywhere, and follows it: localise_in_map MAP.simplemap LOG
 #include <cstdio>
 
-#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/resources.h"
 
 int main(int argc, char** argv) try {
   if (argc != 3) {
     std::fprintf(stderr, "usage: localise_in_map MAP.simplemap LOG\n");
     return 2;
   }
-  const auto config = slam::mapping::loadMethodConfig(slam::core::configsFolder() + "/methods", "graph");
+  const auto config = slam::mapping::loadMethodConfig(slam::resources::configsFolder() + "/methods", "graph");
   auto method = slam::mapping::makeMapBuilder(config, "graph", /*seed=*/1);
   // The map stays as it is; nobody says where the robot is at first.
   slam::mapping::continueMap(method, argv[1], std::nullopt, /*keep_map=*/true);

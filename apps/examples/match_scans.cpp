@@ -10,8 +10,8 @@ namespace {
 
 /// What a lidar sees at `pose` in an empty room of 6 m by 4 m about the origin; yours would come from a
 /// driver.
-slam::robot::Scan scanAt(const slam::core::Pose2& pose) {
-  slam::robot::Scan scan;
+slam::lidar::Scan scanAt(const slam::core::Pose2& pose) {
+  slam::lidar::Scan scan;
   scan.first_angle_rad = -slam::core::kPi;
   scan.step_rad = slam::core::degToRad(1);
   scan.max_range_m = 20;

@@ -6,10 +6,10 @@
 #include <fstream>
 #include <iostream>
 
-#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/compare.h"
 
 namespace {
@@ -33,13 +33,13 @@ int estimate(const std::string& log_path, const std::string& output) {
 int benchmark(const std::string& program) {
   std::ofstream("own.ini") << "[method]\ntype = external\ncommand = " << program
                            << " {log} {output} {seed}\n";
-  slam::core::IniFile settings;
+  slam::files::IniFile settings;
   settings.setFromArgument("simulation.duration_s=20", "settings");
   slam::score::CompareRequest request;
-  request.plan_path = slam::core::resolvePlan("flat");
+  request.plan_path = slam::resources::resolvePlan("flat");
   request.record = slam::record::readRecordConfig(settings);
   request.methods = {"naive_wheel", "./own.ini"};
-  request.methods_folder = slam::core::configsFolder() + "/methods";
+  request.methods_folder = slam::resources::configsFolder() + "/methods";
   request.output = "own";
   const auto comparison = slam::score::compare(request, {}, slam::core::silentProgress());
   std::cout << slam::table::toText(comparison.accuracy);

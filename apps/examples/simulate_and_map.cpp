@@ -2,24 +2,24 @@
 #include <cstdio>
 #include <string>
 
-#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/resources.h"
 
 int main(int argc, char** argv) try {
   const std::string method_name = argc > 1 ? argv[1] : "graph";
-  slam::core::IniFile
+  slam::files::IniFile
       settings;  // all else as built in; keys as `rasterslam simulate --print-config` prints them
   settings.setFromArgument("simulation.duration_s=90", "settings");
-  const auto plan = slam::world::loadPlan(slam::core::resolvePlan("flat"));
+  const auto plan = slam::world::loadPlan(slam::resources::resolvePlan("flat"));
   const auto config = slam::record::readRecordConfig(settings);
   const auto recording =
       slam::record::record(plan, config, /*seed=*/7, "run.rawlog", {}, slam::core::silentProgress());
   std::printf("simulated %zu scans, %.1f m\n", recording.scans, recording.path_length_m);
 
   const auto method_config =
-      slam::mapping::loadMethodConfig(slam::core::configsFolder() + "/methods", method_name);
+      slam::mapping::loadMethodConfig(slam::resources::configsFolder() + "/methods", method_name);
   auto method = slam::mapping::makeMapBuilder(method_config, method_name, /*seed=*/1);
   slam::logs::LogReader log("run.rawlog");
   slam::core::Pose2 T_map_robot;

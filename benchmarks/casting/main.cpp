@@ -24,12 +24,12 @@
 
 #include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
+#include "libslam/rays/ray_caster.h"
+#include "libslam/rays/sector_caster.h"
 #include "libslam/table/table.h"
 #include "libslam/world/plan.h"
-#include "libslam/world/ray_caster.h"
-#include "libslam/world/sector_caster.h"
 
 namespace {
 using namespace slam;
@@ -102,9 +102,9 @@ struct MrptError {
   double mean_cells = 0, beyond_two_cells_percent = 0;
 };
 
-MrptError mrptError(const world::Plan& plan, const world::SectorCaster& exact, MrptEngine& mrpt,
+MrptError mrptError(const world::Plan& plan, const rays::SectorCaster& exact, MrptEngine& mrpt,
                     const std::vector<core::Pose2>& poses) {
-  const world::BeamTable beams(mrpt.firstAngle(), kStep_rad, kBeams);
+  const rays::BeamTable beams(mrpt.firstAngle(), kStep_rad, kBeams);
   std::vector<float> ranges;
   double sum = 0, far = 0, count = 0;
   for (const core::Pose2& pose : poses) {
@@ -122,16 +122,16 @@ MrptError mrptError(const world::Plan& plan, const world::SectorCaster& exact, M
 }
 
 /// Rays on which an engine's bits differ from the reference's, half of them with a maximum range.
-double differences(const world::Plan& plan, const std::vector<world::SectorCaster>& casters, double& rays) {
+double differences(const world::Plan& plan, const std::vector<rays::SectorCaster>& casters, double& rays) {
   const int scans = static_cast<int>(std::ceil(rays / kBeams));
   const auto poses = freePoses(plan, scans, "comparison");
   core::RandomStream random(1, "maximum range");
-  const world::BeamTable beams(kFirstAngle_rad, kStep_rad, kBeams);
+  const rays::BeamTable beams(kFirstAngle_rad, kStep_rad, kBeams);
   std::vector<float> expected, found;
   double count = 0;
   for (int i = 0; i < scans; ++i) {
     const double max_range_m = i % 2 == 0 ? 0 : random.uniform(0.1, 30);
-    world::castScan(plan, poses[static_cast<size_t>(i)], beams, max_range_m, expected);
+    rays::castScan(plan, poses[static_cast<size_t>(i)], beams, max_range_m, expected);
     for (const auto& caster : casters) {
       caster.castScan(poses[static_cast<size_t>(i)], beams, max_range_m, found);
       for (size_t k = 0; k < found.size(); ++k)
@@ -146,15 +146,15 @@ double makingSecondsPerMegacell(const world::Plan& plan) {
   std::vector<double> seconds;
   for (int i = 0; i < 9; ++i) {
     const double before = threadSeconds();
-    const world::SectorTable table(plan);
+    const rays::SectorTable table(plan);
     seconds.push_back(threadSeconds() - before);
   }
   return median(seconds) / (double(plan.cells.size()) / 1e6);
 }
 
 /// Wall time of a batch with one thread over that with two.
-double speedUpOfTwoThreads(const world::SectorCaster& caster, const std::vector<core::Pose2>& poses) {
-  const world::BeamTable beams(kFirstAngle_rad, kStep_rad, kBeams);
+double speedUpOfTwoThreads(const rays::SectorCaster& caster, const std::vector<core::Pose2>& poses) {
+  const rays::BeamTable beams(kFirstAngle_rad, kStep_rad, kBeams);
   std::vector<float> ranges;
   const auto seconds = [&](int threads) {
     const auto before = std::chrono::steady_clock::now();
@@ -177,24 +177,23 @@ struct Engine {
 
 void addRows(const world::Plan& plan, const Arguments& arguments, table::Table& table) {
   const auto poses = freePoses(plan, kPoses, "casting benchmark");
-  const world::BeamTable beams(kFirstAngle_rad, kStep_rad, kBeams);
+  const rays::BeamTable beams(kFirstAngle_rad, kStep_rad, kBeams);
   std::vector<float> ranges;
   MrptEngine mrpt(plan);
-  std::vector<world::SectorCaster> casters;
+  std::vector<rays::SectorCaster> casters;
   casters.reserve(3);
   std::vector<Engine> engines;
   engines.push_back({"MRPT laserScanSimulator", [&](const core::Pose2& pose) { mrpt.cast(pose); }, {}, {}});
   engines.push_back({"exact walk (reference)",
-                     [&](const core::Pose2& pose) { world::castScan(plan, pose, beams, 0, ranges); },
+                     [&](const core::Pose2& pose) { rays::castScan(plan, pose, beams, 0, ranges); },
                      {},
                      {}});
-  for (const auto& [name, instructions] :
-       {std::pair{"sector table, portable", world::Instructions::kPortable},
-        std::pair{"sector table, AVX2", world::Instructions::kAvx2},
-        std::pair{"sector table, AVX-512", world::Instructions::kAvx512}}) {
-    if (!world::isSupported(instructions)) continue;
+  for (const auto& [name, instructions] : {std::pair{"sector table, portable", rays::Instructions::kPortable},
+                                           std::pair{"sector table, AVX2", rays::Instructions::kAvx2},
+                                           std::pair{"sector table, AVX-512", rays::Instructions::kAvx512}}) {
+    if (!rays::isSupported(instructions)) continue;
     casters.emplace_back(plan, instructions);
-    const world::SectorCaster* caster = &casters.back();
+    const rays::SectorCaster* caster = &casters.back();
     engines.push_back(
         {name,
          [&beams, &ranges, caster](const core::Pose2& pose) { caster->castScan(pose, beams, 0, ranges); },
@@ -269,7 +268,7 @@ int benchmark(const Arguments& arguments) {
       addRows(plan, arguments, table);
     }
   std::cout << table::toText(table);
-  if (!arguments.csv.empty()) core::writeFileAtomically(arguments.csv, table::toCsv(table));
+  if (!arguments.csv.empty()) files::writeFileAtomically(arguments.csv, table::toCsv(table));
   return 0;
 }
 

@@ -53,14 +53,14 @@ double rounded(double value, double step) {
 
 void runOnce(const BenchLog& log, const Variant& variant, int seed) {
   slam::core::RandomStream noise(static_cast<std::uint64_t>(seed), "jitter");
-  slam::graph::GraphSlam graph{slam::graph::GraphOptions()};
+  slam::graph::GraphSlam graph{slam::keyframes::GraphOptions()};
   Trajectory online;
   double cpu_s = 0;
   Pose2 T_odom_before;
   for (const auto& entry : log.entries) {
     auto scan = entry.scan;
     for (float& range : scan.ranges_m)
-      if (slam::robot::isReturn(range) && variant.jitter_m > 0)
+      if (slam::lidar::isReturn(range) && variant.jitter_m > 0)
         range += static_cast<float>(noise.uniform(-variant.jitter_m, variant.jitter_m));
     const Pose2& odom = entry.T_odom_robot;
     const Pose2 T_odom_robot{rounded(odom.x, variant.round_m), rounded(odom.y, variant.round_m),

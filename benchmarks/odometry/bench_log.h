@@ -4,15 +4,15 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/core/relation.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/robot/motion_kind.h"
-#include "libslam/robot/scan.h"
 
 namespace odometry_bench {
 
 /// Scans and whatever is known of the true motion.
 struct BenchLog {
   std::string name;
-  std::vector<slam::robot::Scan> scans;
+  std::vector<slam::lidar::Scan> scans;
   std::vector<slam::robot::Commanded> commands;  ///< before each scan: as given, else by the wheels
   slam::core::Trajectory truth;                  ///< of the robot, one pose per scan, or empty
   slam::core::Relations relations;               ///< annotated by hand

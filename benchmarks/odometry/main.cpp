@@ -13,15 +13,16 @@
 #include "benchmarks/odometry/drift.h"
 #include "benchmarks/odometry/mrpt_icp.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/navigate/strategy.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/sim/simulator.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/table/table.h"
 
 namespace {
@@ -36,8 +37,8 @@ struct Arguments {
 };
 
 /// A 361-beam scanner over 180 degrees: 5 scans per second, 1 cm noise, half a per cent of the readings lost.
-core::IniFile scannerAhead() {
-  core::IniFile ini;
+files::IniFile scannerAhead() {
+  files::IniFile ini;
   for (const auto& [key, value] : {std::pair<const char*, const char*>{"fov_deg", "180"},
                                    {"beams", "361"},
                                    {"max_range_m", "30"},
@@ -49,15 +50,15 @@ core::IniFile scannerAhead() {
 }
 
 /// A robot that explores a committed world by quadrants.
-BenchLog simulate(const std::string& log_name, const std::string& world_name, const core::IniFile& lidar,
+BenchLog simulate(const std::string& log_name, const std::string& world_name, const files::IniFile& lidar,
                   size_t most_scans) {
-  const world::Plan plan = world::loadPlan(core::resolvePlan(world_name));
+  const world::Plan plan = world::loadPlan(resources::resolvePlan(world_name));
   const record::RecordConfig config = record::readRecordConfig(lidar);
   constexpr std::uint64_t kSeed = 1;
   const auto start = world::findStartPose(plan, 0.5);
   if (!start) throw core::InputError(world_name + ": no free place for the robot");
   sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, *start, kSeed);
-  navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(kSeed, "strategy")),
+  navigate::Driver driver(strategies::makeStrategy(config.strategy, core::RandomStream(kSeed, "strategy")),
                           config.strategy, config.robot, 1 / config.lidar.rate_hz,
                           core::RandomStream(kSeed, "driver"));
   BenchLog log;
@@ -121,12 +122,12 @@ struct NamedLog {
 
 std::vector<NamedLog> logs(const Arguments& a) {
   std::vector<NamedLog> all;
-  const auto simulated = [&](const std::string& name, const char* world, const core::IniFile& lidar) {
+  const auto simulated = [&](const std::string& name, const char* world, const files::IniFile& lidar) {
     all.push_back({name, "", [=] { return simulate(name, world, lidar, a.scans); }});
   };
   for (const char* world : {"flat", "office_loop", "pillar_hall", "maze", "corridor"})
     simulated(std::string("sim ") + world, world, scannerAhead());
-  const auto original = core::IniFile::load(core::configsFolder() + "/lidars/thesis_360.ini");
+  const auto original = resources::readConfigFile(resources::configsFolder() + "/lidars/thesis_360.ini");
   for (const char* world : {"flat", "office_loop"})
     simulated(std::string("sim ") + world + ", thesis_360", world, original);
   for (const char* ring : {"ring_A", "ring_B"})
@@ -267,8 +268,8 @@ void run(const Arguments& a) {
     }
   }
   std::cout << table::toText(table);
-  if (!a.csv.empty()) core::writeFileAtomically(a.csv, table::toCsv(table));
-  if (!a.json.empty()) core::writeFileAtomically(a.json, table::toJson(table));
+  if (!a.csv.empty()) files::writeFileAtomically(a.csv, table::toCsv(table));
+  if (!a.json.empty()) files::writeFileAtomically(a.json, table::toJson(table));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <mrpt/poses/CPosePDFGaussian.h>
 #include <mrpt/slam/CICP.h>
 
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace odometry_bench {
 namespace {
@@ -29,18 +29,18 @@ class MrptIcp : public slam::odometry::ScanOdometry {
 
   void reset() override { reference_.reset(), guess_ = {}; }
 
-  ScanMotion update(const slam::robot::Scan& scan, const slam::odometry::Commanded&) override {
+  ScanMotion update(const slam::lidar::Scan& scan, const slam::odometry::Commanded&) override {
     auto points = std::make_unique<mrpt::maps::CSimplePointsMap>();
     points->insertionOptions.minDistBetweenLaserPoints = static_cast<float>(settings_.point_distance_m);
     points->insertionOptions.also_interpolate = false;
-    points->insertObservation(*slam::robot::toMrpt(scan));
+    points->insertObservation(*slam::lidar::toMrpt(scan));
     ScanMotion motion;
     motion.covariance = {1e-4, 0, 0, 0, 1e-4, 0, 0, 0, 1e-4};
     if (reference_) {
       mrpt::slam::CICP::TReturnInfo info;
       const auto pdf =
-          icp_.Align(reference_.get(), points.get(), mrpt::poses::CPose2D(slam::robot::toMrpt(guess_)), info);
-      motion.T_previous_current = slam::robot::fromMrpt(pdf->getMeanVal().asTPose());
+          icp_.Align(reference_.get(), points.get(), mrpt::poses::CPose2D(slam::lidar::toMrpt(guess_)), info);
+      motion.T_previous_current = slam::lidar::fromMrpt(pdf->getMeanVal().asTPose());
       motion.reliable = info.goodness > 0.5f;
       if (settings_.constant_velocity) guess_ = motion.T_previous_current;
     }

@@ -9,11 +9,11 @@
 #include <iostream>
 #include <limits>
 
+#include "libslam/certified/global.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/g2o_io.h"
-#include "libslam/posegraph/global.h"
 #include "libslam/process/cpu_time.h"
 #include "libslam/table/table.h"
 #include "libslam/testing/pose_graphs.h"
@@ -69,7 +69,7 @@ struct Tally {
     local_ms.push_back(1e3 * (process::threadCpuSeconds() - began));
     work = start;
     began = process::threadCpuSeconds();
-    const auto result = posegraph::optimizeGlobally(work);
+    const auto result = certified::optimizeGlobally(work);
     global_ms.push_back(1e3 * (process::threadCpuSeconds() - began));
     found += result.optimum.final_chi2 <= as_good;
     certified += result.certificate.is_optimal;
@@ -95,7 +95,7 @@ void addRows(const std::string& name, const std::vector<Case>& cases, int random
     const PoseGraph chained = startedAt(graph, posegraph::chained(graph));
     double best = std::numeric_limits<double>::infinity();
     const auto tryFrom = [&best](PoseGraph start) {
-      best = std::min(best, posegraph::optimizeGlobally(start).optimum.final_chi2);
+      best = std::min(best, certified::optimizeGlobally(start).optimum.final_chi2);
     };
     tryFrom(startedAt(graph, good_poses));
     tryFrom(chained);
@@ -141,7 +141,7 @@ void run(int seeds, const std::string& csv, const std::vector<std::string>& file
               table);
     }
   std::cout << table::toText(table) << std::endl;
-  if (!csv.empty()) core::writeFileAtomically(csv, table::toCsv(table));
+  if (!csv.empty()) files::writeFileAtomically(csv, table::toCsv(table));
 }
 
 }  // namespace

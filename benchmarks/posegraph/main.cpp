@@ -12,8 +12,8 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/posegraph/edge_error.h"
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/posegraph/marginals.h"
@@ -347,7 +347,7 @@ void run(const Arguments& a) {
     std::cout << table::toText(table) << std::endl;
     csv += (csv.empty() ? "" : "\r\n") + table::toCsv(table);
   }
-  if (!a.csv.empty()) core::writeFileAtomically(a.csv, csv);
+  if (!a.csv.empty()) files::writeFileAtomically(a.csv, csv);
 }
 
 }  // namespace

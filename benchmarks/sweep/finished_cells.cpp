@@ -4,8 +4,9 @@
 #include <exception>
 #include <filesystem>
 
-#include "libslam/core/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/score/metric_infos.h"
 #include "libslam/sweep/cell.h"
@@ -17,7 +18,7 @@ using namespace slam;
 void finish(const std::string& folder, const std::string& id, const std::string& spec, bool is_run) {
   const std::string cell = folder + "/cells/" + id;
   std::filesystem::create_directories(cell + "/run");
-  core::writeFileAtomically(cell + "/cell.json", spec);
+  files::writeFileAtomically(cell + "/cell.json", spec);
   sweep::CellResult result;
   result.id = id;
   core::RandomStream random(1, id);
@@ -26,8 +27,8 @@ void finish(const std::string& folder, const std::string& id, const std::string&
     if (is_run) result.figures.emplace_back(info.key, random.uniform());
   for (const char* name : {"run/trajectory.tum", "run/map.png", "run/map.yaml", "run/journal.csv"}) {
     const std::string text(1000, 'x');
-    core::writeFileAtomically(cell + "/" + name, text);
-    result.files[name] = {text.size(), core::sha256(text)};
+    files::writeFileAtomically(cell + "/" + name, text);
+    result.files[name] = {text.size(), resources::sha256(text)};
   }
   sweep::writeCellResult(cell, result, {});
 }

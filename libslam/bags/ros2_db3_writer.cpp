@@ -8,7 +8,7 @@
 #include "libslam/bags/ros_bytes.h"
 #include "libslam/bags/ros_logs.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 // What is written is rosbag2's schema of version 2 (no table "schema"), which every release since 2020 reads.
 
@@ -22,10 +22,10 @@ class Db3Writer : public RosBagWriter {
     if (fs::path(path).extension() == ".db3") {
       std::error_code ignored;
       if (fs::is_directory(path, ignored)) throw core::IoError(path + ": cannot be written: is a folder");
-      file_ = std::make_unique<core::PendingFile>(path);
+      file_ = std::make_unique<files::PendingFile>(path);
       open(file_->path());
     } else {
-      folder_ = std::make_unique<core::PendingFolder>(path, false);
+      folder_ = std::make_unique<files::PendingFolder>(path, false);
       name_ = fs::path(folder_->finalPath()).filename().string() + "_0.db3";
       open((fs::path(folder_->path()) / name_).string());
     }
@@ -51,7 +51,7 @@ class Db3Writer : public RosBagWriter {
     execute("CREATE INDEX timestamp_idx ON messages (timestamp ASC); COMMIT");
     if (sqlite3_close(database_.release()) != SQLITE_OK) throw core::IoError(path_ + ": cannot be closed");
     if (file_) return file_->commit();
-    core::writeFileAtomically((fs::path(folder_->path()) / kMetadataName).string(), metadata());
+    files::writeFileAtomically((fs::path(folder_->path()) / kMetadataName).string(), metadata());
     folder_->commit();
   }
 
@@ -143,8 +143,8 @@ class Db3Writer : public RosBagWriter {
   }
 
   std::string path_, name_;
-  std::unique_ptr<core::PendingFile> file_;
-  std::unique_ptr<core::PendingFolder> folder_;
+  std::unique_ptr<files::PendingFile> file_;
+  std::unique_ptr<files::PendingFolder> folder_;
   Database database_;
   Statement insert_;
   std::vector<Topic> topics_;

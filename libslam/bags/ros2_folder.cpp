@@ -8,7 +8,7 @@
 #include "libslam/bags/ros_bytes.h"
 #include "libslam/bags/ros_logs.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 namespace slam::bags {
 namespace fs = std::filesystem;
@@ -66,7 +66,7 @@ struct FolderContent {
 /// The few lines of metadata.yaml that matter; rosbag2 writes it in YAML's block style with one key a line.
 FolderContent readMetadata(const std::string& folder) {
   const std::string path = (fs::path(folder) / kMetadataName).string();
-  const std::string content = core::readTextFile(path);
+  const std::string content = files::readTextFile(path);
   FolderContent result;
   std::string storage, compression;
   bool in_paths = false;

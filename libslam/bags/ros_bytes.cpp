@@ -127,7 +127,7 @@ std::string packZstd(std::string_view bytes) {
 }  // namespace
 
 FileBytes::FileBytes(const std::string& path) {
-  core::requireReadableFile(path);
+  files::requireReadableFile(path);
   file_.open(path, std::ios::binary);
   file_.seekg(0, std::ios::end);
   const auto end = file_.tellg();

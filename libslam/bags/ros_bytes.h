@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 namespace slam::bags {
 
@@ -90,7 +90,7 @@ class NewFile {
  private:
   void requireGood();
   std::string final_path_;
-  core::PendingFile pending_;
+  files::PendingFile pending_;
   std::ofstream out_;
   std::uint64_t size_ = 0;
 };

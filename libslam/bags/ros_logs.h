@@ -24,7 +24,7 @@ namespace slam::bags {
 /// Scans. The label is the topic without its first '/'. Beam i is at angle_min + i * angle_increment; the
 /// field of view is angle_max - angle_min where the increment agrees with it to a thousandth of a step (the
 /// increment is rounded more), else (n - 1) increments. Negative increments: readings turned round. A sweep
-/// that is not centred is a turned sensor, as in robot::toMrpt(). Readings by REP 117: +inf, or >= range_max:
+/// that is not centred is a turned sensor, as in lidar::toMrpt(). Readings by REP 117: +inf, or >= range_max:
 /// no-return; -inf, NaN, or < range_min: lost. A range_max that is not a number above 0 counts as 1000 m.
 /// A time_increment that is not 0 comes as a note (sweep_note.h) before the first scan that has it: beam i is
 /// measured i increments after the stamp. Intensities are rounded to integers. Scans without readings are
@@ -34,7 +34,7 @@ namespace slam::bags {
 /// /tf_static hold at that point of the file, in full 3D. The robot's frame is the odometry's child_frame_id,
 /// else base_link, else base_footprint. A lidar that hangs upside down (its z axis points below the horizon)
 /// comes as the upright one that measures the same: turned by pi about its x axis, with its readings in
-/// reverse order. So beams always run counter-clockwise in the robot's plane, which is what robot::fromMrpt()
+/// reverse order. So beams always run counter-clockwise in the robot's plane, which is what lidar::fromMrpt()
 /// and MRPT's grid maps take for granted. No transform: the identity, and skipped() says so.
 ///
 /// Odometry: options.odometry_topic, else /odom, else the first Odometry topic in the file that is not a

@@ -35,7 +35,7 @@ ScanAngles anglesOf(const RosLaserScan& scan) {
   return {first_rad, span_rad, false};
 }
 
-robot::Sweep timesOf(const RosLaserScan& scan, bool reversed) {
+lidar::Sweep timesOf(const RosLaserScan& scan, bool reversed) {
   const double span_s = static_cast<double>(scan.ranges.size() - 1) * scan.time_increment;
   const bool runs_back = span_s < 0;
   return {std::abs(span_s), reversed != runs_back, runs_back ? 1.0 : 0.0};

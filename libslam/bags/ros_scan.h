@@ -2,7 +2,7 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
 
 #include "libslam/bags/ros_messages.h"
-#include "libslam/robot/deskew.h"
+#include "libslam/lidar/deskew.h"
 
 namespace slam::bags {
 
@@ -17,12 +17,12 @@ ScanAngles anglesOf(const RosLaserScan& scan);
 
 /// Beam i of the message is measured at the stamp + i * time_increment; `reversed`: beams are given from the
 /// last one on.
-robot::Sweep timesOf(const RosLaserScan& scan, bool reversed);
+lidar::Sweep timesOf(const RosLaserScan& scan, bool reversed);
 
 /// The first echo of every beam.
 RosLaserScan singleEcho(const RosMultiEchoLaserScan& multi);
 
-/// Readings by REP 117 (ros.org/reps/rep-0117.html), written as robot::toMrpt() writes them.
+/// Readings by REP 117 (ros.org/reps/rep-0117.html), written as lidar::toMrpt() writes them.
 void setReadings(const RosLaserScan& scan, bool reversed, mrpt::obs::CObservation2DRangeScan& observation);
 
 }  // namespace slam::bags

@@ -14,8 +14,8 @@
 #include "libslam/bags/ros_objects.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/objects/mrpt_time.h"
-#include "libslam/robot/mrpt_types.h"
 
 namespace slam::bags {
 namespace {
@@ -52,9 +52,9 @@ RosLaserScan toRos(const CObservation2DRangeScan& observation) {
   scan.ranges.resize(beams);
   if (observation.hasIntensity()) scan.intensities.resize(beams);
   for (size_t i = 0; i < beams; ++i) {
-    const size_t from = robot::isRightToLeft(observation) ? i : beams - 1 - i;
+    const size_t from = lidar::isRightToLeft(observation) ? i : beams - 1 - i;
     const float range_m = observation.getScanRange(from);
-    // The meaning of invalid readings is that of robot::fromMrpt().
+    // The meaning of invalid readings is that of lidar::fromMrpt().
     const bool far = std::isfinite(range_m) && range_m >= 0.99F * observation.maxRange;
     float reading = std::numeric_limits<float>::quiet_NaN();
     if (observation.getScanRangeValidity(from) && std::isfinite(range_m) && range_m > 0)

@@ -14,8 +14,8 @@
 #include "libslam/bags/ros_objects.h"
 #include "libslam/bags/ros_scan.h"
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/parameters.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/sweep_note.h"
@@ -232,7 +232,7 @@ class RosObjects : public objects::ObjectSource {
   }
 
   /// Before the scan that it is true of. A time_increment that is no number says as little as none.
-  void noteSweep(const std::string& label, const robot::Sweep& sweep, std::int64_t ticks) {
+  void noteSweep(const std::string& label, const lidar::Sweep& sweep, std::int64_t ticks) {
     if (!std::isfinite(sweep.duration_s) || (sweep.duration_s == 0 && sweeps_.count(label) == 0)) return;
     const std::string text = objects::formatSweepNote({label, sweep});
     if (std::exchange(sweeps_[label], text) != text) ready_.push_back(objects::makeComment(text, ticks));

@@ -14,14 +14,14 @@
 
 #include "libslam/builders/map_grid.h"
 #include "libslam/core/error.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::builders {
 namespace {
 
 mrpt::poses::CPose3DPDFGaussian gaussian(const core::Pose2& T_map_robot, const Eigen::Matrix3d& covariance) {
   mrpt::poses::CPosePDFGaussian planar;
-  planar.mean = mrpt::poses::CPose2D(robot::toMrpt(T_map_robot));
+  planar.mean = mrpt::poses::CPose2D(lidar::toMrpt(T_map_robot));
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column) planar.cov(row, column) = covariance(row, column);
   mrpt::poses::CPose3DPDFGaussian pose;
@@ -31,7 +31,7 @@ mrpt::poses::CPose3DPDFGaussian gaussian(const core::Pose2& T_map_robot, const E
 
 }  // namespace
 
-GraphMapBuilder::GraphMapBuilder(const MappingOptions& mapping, const graph::GraphOptions& graph)
+GraphMapBuilder::GraphMapBuilder(const MappingOptions& mapping, const keyframes::GraphOptions& graph)
     : mapping_(mapping), graph_options_(graph), graph_(graph) {
   initialize();
 }
@@ -44,7 +44,7 @@ void GraphMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap, const
   addKnownKeyframes(initialMap);
   if (graph_.keyframeCount() == 0) return;
   last_.T_map_robot = graph_.keyframePose(graph_.keyframeCount() - 1);
-  if (x0 != nullptr) last_.T_map_robot = robot::fromMrpt(x0->getMeanVal().asTPose());
+  if (x0 != nullptr) last_.T_map_robot = lidar::fromMrpt(x0->getMeanVal().asTPose());
   graph_.startAt(last_.T_map_robot);
 }
 
@@ -54,7 +54,7 @@ void GraphMapBuilder::addKnownKeyframes(const mrpt::maps::CSimpleMap& map) {
     const auto observation = frame->getObservationByClass<mrpt::obs::CObservation2DRangeScan>();
     if (!observation) continue;
     const auto mean = pose->getMeanVal();
-    graph_.addKnownKeyframe(robot::fromMrpt(*observation), {mean.x(), mean.y(), mean.yaw()});
+    graph_.addKnownKeyframe(lidar::fromMrpt(*observation), {mean.x(), mean.y(), mean.yaw()});
   }
 }
 
@@ -68,7 +68,7 @@ mrpt::poses::CPose3DPDF::Ptr GraphMapBuilder::getCurrentPoseEstimation() const {
       gaussian(last_.T_map_robot, last_.pose_covariance));
 }
 
-core::Pose2 GraphMapBuilder::processScan(const robot::Scan& scan, const core::Pose2& T_previous_robot,
+core::Pose2 GraphMapBuilder::processScan(const lidar::Scan& scan, const core::Pose2& T_previous_robot,
                                          bool has_odometry) {
   last_ = options.enableMapUpdating ? graph_.process(scan, T_previous_robot, has_odometry)
                                     : graph_.localise(scan, T_previous_robot, has_odometry);
@@ -79,12 +79,12 @@ void GraphMapBuilder::processActionObservation(mrpt::obs::CActionCollection& act
                                                mrpt::obs::CSensoryFrame& observations) {
   core::Pose2 increment;
   const auto movement = action.getBestMovementEstimation();
-  if (movement) increment = robot::fromMrpt(movement->poseChange->getMeanVal().asTPose());
+  if (movement) increment = lidar::fromMrpt(movement->poseChange->getMeanVal().asTPose());
   bool has_odometry = movement != nullptr;
   for (const auto& observation : observations) {
     const auto scan = std::dynamic_pointer_cast<mrpt::obs::CObservation2DRangeScan>(observation);
     if (!scan) continue;
-    processScan(robot::fromMrpt(*scan), increment, has_odometry);
+    processScan(lidar::fromMrpt(*scan), increment, has_odometry);
     increment = {};
     has_odometry = false;
   }
@@ -93,9 +93,9 @@ void GraphMapBuilder::processActionObservation(mrpt::obs::CActionCollection& act
 void GraphMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) const {
   out_map.clear();
   for (int k = 0; k < graph_.keyframeCount(); ++k) {
-    const robot::Scan& scan = graph_.keyframeScan(k);
+    const lidar::Scan& scan = graph_.keyframeScan(k);
     if (scan.ranges_m.empty()) continue;
-    const auto observation = robot::toMrpt(scan);
+    const auto observation = lidar::toMrpt(scan);
     observation->timestamp = mrpt::Clock::fromDouble(scan.time_s);
     mrpt::obs::CSensoryFrame frame;
     frame.insert(observation);
@@ -135,11 +135,11 @@ compat::BuiltMap GraphMapBuilder::getCurrentlyBuiltMetricMap() const {
   }
   if (drawn_keyframes_ < graph_.keyframeCount()) requireBounded();
   for (; drawn_keyframes_ < graph_.keyframeCount(); ++drawn_keyframes_) {
-    const robot::Scan& scan = graph_.keyframeScan(drawn_keyframes_);
+    const lidar::Scan& scan = graph_.keyframeScan(drawn_keyframes_);
     if (scan.ranges_m.empty()) continue;
-    const auto observation = robot::toMrpt(scan);
+    const auto observation = lidar::toMrpt(scan);
     const mrpt::poses::CPose3D pose(
-        mrpt::poses::CPose2D(robot::toMrpt(graph_.keyframePose(drawn_keyframes_))));
+        mrpt::poses::CPose2D(lidar::toMrpt(graph_.keyframePose(drawn_keyframes_))));
     grid_->insertObservation(*observation, pose);
   }
   return compat::builtMap(maps_);

@@ -23,7 +23,7 @@ namespace slam::builders {
 /// without odometry.
 class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
  public:
-  GraphMapBuilder(const MappingOptions& mapping, const graph::GraphOptions& graph);
+  GraphMapBuilder(const MappingOptions& mapping, const keyframes::GraphOptions& graph);
 
   void initialize(const mrpt::maps::CSimpleMap& initialMap = mrpt::maps::CSimpleMap(),
                   const mrpt::poses::CPosePDF* x0 = nullptr) override;
@@ -38,7 +38,7 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
   void saveCurrentEstimationToImage(RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS) override;
 
   /// The same as processActionObservation() without MRPT's types in between.
-  core::Pose2 processScan(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
+  core::Pose2 processScan(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
   void finish() { graph_.finish(); }
   /// After initialize() with a map: nobody knows where in it the robot is. REQUIRES options.enableMapUpdating
   /// = false from then on.
@@ -46,7 +46,7 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
   /// After initialize() with a map: another map, whose place in the first is not known, to be found by
   /// joinParts(). REQUIRES no scan before.
   void addPart(const mrpt::maps::CSimpleMap& map);
-  std::vector<graph::PartPlace> joinParts(core::Progress& progress) { return graph_.joinParts(progress); }
+  std::vector<loops::PartPlace> joinParts(core::Progress& progress) { return graph_.joinParts(progress); }
   const graph::GraphSlam& graph() const { return graph_; }
 
  private:
@@ -54,7 +54,7 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
   void addKnownKeyframes(const mrpt::maps::CSimpleMap& map);
 
   MappingOptions mapping_;
-  graph::GraphOptions graph_options_;
+  keyframes::GraphOptions graph_options_;
   graph::GraphSlam graph_;
   graph::GraphSlam::Step last_;
   // Drawn when asked for.

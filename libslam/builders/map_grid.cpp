@@ -9,7 +9,7 @@
 #include "libslam/builders/exact_grid.h"
 #include "libslam/builders/mrpt_compat.h"
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::builders {
 
@@ -36,8 +36,8 @@ mrpt::maps::COccupancyGridMap2D::Ptr gridOf(const mrpt::slam::CMetricMapBuilder&
 }
 
 std::string tooManyCells(double cells, double max_map_cells) {
-  return "the map would hold " + core::formatNumber(std::round(cells / 1e6)) +
-         " million cells, allowed are " + core::formatNumber(std::round(max_map_cells / 1e5) / 10) +
+  return "the map would hold " + files::formatNumber(std::round(cells / 1e6)) +
+         " million cells, allowed are " + files::formatNumber(std::round(max_map_cells / 1e5) / 10) +
          " million ([mapping] max_map_cells); the method has diverged or the place is too large";
 }
 

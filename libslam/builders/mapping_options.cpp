@@ -50,7 +50,7 @@ MappingRows drawingRows() {
            "robot has it"}};
 }
 
-core::ParameterTable<MappingOptions> mappingTable(const std::vector<MappingRows>& rows) {
+files::ParameterTable<MappingOptions> mappingTable(const std::vector<MappingRows>& rows) {
   MappingRows all;
   for (const auto& some : rows) all.insert(all.end(), some.begin(), some.end());
   return {"mapping", std::move(all)};

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::builders {
 
@@ -23,12 +23,12 @@ struct MappingOptions {
 
 /// Rows of the section, of which each type puts its table together: the grid that is drawn, all types; key
 /// frames; when a scan is matched, MRPT's matchers; how `naive` draws.
-using MappingRows = std::vector<core::ParameterTable<MappingOptions>::Row>;
+using MappingRows = std::vector<files::ParameterTable<MappingOptions>::Row>;
 MappingRows gridRows();
 MappingRows keyFrameRows();
 MappingRows matcherRows();
 MappingRows drawingRows();
 /// The table of these, in this order.
-core::ParameterTable<MappingOptions> mappingTable(const std::vector<MappingRows>& rows);
+files::ParameterTable<MappingOptions> mappingTable(const std::vector<MappingRows>& rows);
 
 }  // namespace slam::builders

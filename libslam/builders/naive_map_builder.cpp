@@ -14,9 +14,9 @@
 #include "libslam/builders/map_grid.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/rigid_motion2.h"
+#include "libslam/lidar/mrpt_types.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/robot/motion_kind.h"
-#include "libslam/robot/mrpt_types.h"
-#include "libslam/robot/scan.h"
 
 namespace slam::builders {
 namespace {
@@ -69,9 +69,9 @@ void NaiveMapBuilder::processActionObservation(mrpt::obs::CActionCollection& act
     increment = movement->poseChange->getMeanVal();
   // Not MRPT's composition, whose sine is the C library's.
   T_map_robot_ = mrpt::poses::CPose2D(
-      robot::toMrpt(robot::fromMrpt(T_map_robot_.asTPose()) * robot::fromMrpt(increment.asTPose())));
+      lidar::toMrpt(lidar::fromMrpt(T_map_robot_.asTPose()) * lidar::fromMrpt(increment.asTPose())));
   if (!options.enableMapUpdating) return;
-  const bool is_drawn = isDrawnAfter(robot::fromMrpt(increment.asTPose()));
+  const bool is_drawn = isDrawnAfter(lidar::fromMrpt(increment.asTPose()));
   if (is_drawn) draw(observations);
   if ((!is_drawn && !key_frames_.empty()) || !isKeyFrame()) return;
   mrpt::poses::CPose3DPDFGaussian pose;
@@ -94,14 +94,14 @@ void NaiveMapBuilder::draw(const mrpt::obs::CSensoryFrame& observations) {
     if (options_.draw == "rays")
       grid_->insertObservation(*scan, mrpt::poses::CPose3D(T_map_robot_));
     else
-      drawDots(*grid_, robot::scanPoints(robot::fromMrpt(*scan)), robot::fromMrpt(T_map_robot_.asTPose()));
+      drawDots(*grid_, lidar::scanPoints(lidar::fromMrpt(*scan)), lidar::fromMrpt(T_map_robot_.asTPose()));
   }
 }
 
 bool NaiveMapBuilder::isKeyFrame() const {
   if (key_frames_.empty() || options.debugForceInsertion) return true;
   const core::Pose2 travelled =
-      core::between(robot::fromMrpt(T_map_key_frame_.asTPose()), robot::fromMrpt(T_map_robot_.asTPose()));
+      core::between(lidar::fromMrpt(T_map_key_frame_.asTPose()), lidar::fromMrpt(T_map_robot_.asTPose()));
   return core::hypot(travelled.x, travelled.y) >= options_.insert_distance_m ||
          std::abs(travelled.phi) >= options_.insert_angle_rad;
 }

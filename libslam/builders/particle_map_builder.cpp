@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::builders {
 
@@ -54,7 +54,7 @@ particles::Motion fromMrpt(const mrpt::poses::CPosePDF& change) {
   mrpt::poses::CPose2D mean;
   change.getCovarianceAndMean(covariance, mean);
   particles::Motion motion;
-  motion.T_previous_robot = robot::fromMrpt(mean.asTPose());
+  motion.T_previous_robot = lidar::fromMrpt(mean.asTPose());
   motion.covariance = covariance.asEigen();
   return motion;
 }
@@ -98,12 +98,12 @@ void ParticleMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap,
     if (!frame || !pose) continue;
     const auto mean = pose->getMeanVal();
     for (const auto& scan : scansOf(*frame)) {
-      known.emplace_back(gridmap::scanRays(robot::fromMrpt(*scan), filter_options_.rays),
+      known.emplace_back(gridmap::scanRays(lidar::fromMrpt(*scan), filter_options_.rays),
                          core::Pose2{mean.x(), mean.y(), mean.yaw()});
       start_map_.insert(known.back().first, known.back().second);
     }
   }
-  const core::Pose2 T_map_robot = x0 != nullptr ? robot::fromMrpt(x0->getMeanVal().asTPose()) : core::Pose2{};
+  const core::Pose2 T_map_robot = x0 != nullptr ? lidar::fromMrpt(x0->getMeanVal().asTPose()) : core::Pose2{};
   if (!known.empty() || x0 != nullptr) filter_->start(T_map_robot, known);
   drawn_ = start_map_;
   published_ = COccupancyGridMap2D::Create();
@@ -115,7 +115,7 @@ void ParticleMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap,
 mrpt::poses::CPose3DPDF::Ptr ParticleMapBuilder::getCurrentPoseEstimation() const {
   const particles::ParticleStep& step = filter_->lastStep();
   auto pose = mrpt::poses::CPose3DPDFGaussian::Create();
-  pose->mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(robot::toMrpt(step.T_map_robot)));
+  pose->mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(lidar::toMrpt(step.T_map_robot)));
   // (x, y, z, yaw, pitch, roll)
   constexpr std::array<int, 3> kRow = {0, 1, 3};
   pose->cov.setZero();
@@ -136,9 +136,9 @@ void ParticleMapBuilder::processActionObservation(mrpt::obs::CActionCollection& 
   }
   const auto scans = scansOf(observations);
   if (scans.empty()) return;
-  const robot::Scan scan = robot::fromMrpt(*scans.front());
-  std::vector<robot::Scan> others;
-  for (size_t i = 1; i < scans.size(); ++i) others.push_back(robot::fromMrpt(*scans[i]));
+  const lidar::Scan scan = lidar::fromMrpt(*scans.front());
+  std::vector<lidar::Scan> others;
+  for (size_t i = 1; i < scans.size(); ++i) others.push_back(lidar::fromMrpt(*scans[i]));
   filter_->setMapping(options.enableMapUpdating);
   const particles::ParticleStep& step = filter_->update(scan, motion_, others);
   motion_.reset();
@@ -161,7 +161,7 @@ void ParticleMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) c
   const core::Trajectory path = filter_->path();
   for (const KeyFrame& key_frame : key_frames_) {
     mrpt::poses::CPose3DPDFGaussian pose;
-    pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(robot::toMrpt(path[key_frame.scan].pose)));
+    pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(lidar::toMrpt(path[key_frame.scan].pose)));
     compat::insertFrame(out_map, pose, *key_frame.frame);
   }
 }

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/world/plan.h"
 
 namespace slam::buildings {
@@ -20,7 +20,7 @@ struct BuildingOptions {
   double glass{};
 
   BuildingOptions() { table().setDefaults(*this); }
-  static const core::ParameterTable<BuildingOptions>& table();
+  static const files::ParameterTable<BuildingOptions>& table();
 };
 
 /// A kind of building, and what its options that are 0 mean.

@@ -31,8 +31,8 @@ bool framesThePage(const cv::Mat& piece, const cv::Rect& box, const cv::Size& pa
 /// frame may well be the outer wall of a hall with pillars.
 bool holdsABuilding(const cv::Mat& ink, const cv::Mat& frame, const cv::Rect& box) {
   const double doorway = 0.04 * std::max(box.width, box.height);
-  const cv::Mat walls = grown((ink & ~frame)(box), doorway / 2);
-  return cv::countNonZero(~reachedFromEdge(~walls) & ~walls) > 0.1 * box.area();
+  const cv::Mat walls = drafting::grown((ink & ~frame)(box), doorway / 2);
+  return cv::countNonZero(~drafting::reachedFromEdge(~walls) & ~walls) > 0.1 * box.area();
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ bool holdsABuilding(const cv::Mat& ink, const cv::Mat& frame, const cv::Rect& bo
 void checkBorder(Sheet& sheet) {
   if (sheet.is_map && !sheet.isAskedFor("border")) return;
   const cv::Mat ink = sheet.mask(world::Cell::kOccupied);
-  const Regions pieces = regionsOf(ink, 8);
+  const drafting::Regions pieces = drafting::regionsOf(ink, 8);
   for (int label = 1; label < pieces.count; ++label) {
     const cv::Rect box = pieces.box(label);
     const cv::Mat piece = pieces.labels(box) == label;

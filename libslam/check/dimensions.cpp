@@ -2,9 +2,9 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "libslam/check/lettering.h"
 #include "libslam/check/rules.h"
 #include "libslam/core/middle_value.h"
+#include "libslam/drafting/lettering.h"
 
 namespace slam::check {
 namespace {
@@ -68,7 +68,7 @@ cv::Mat horizontalDimensions(const cv::Mat& ink, const cv::Mat& lettering, std::
   cv::Mat runs, uprights, gone(ink.size(), CV_8U, cv::Scalar(0));
   cv::morphologyEx(ink, runs, cv::MORPH_OPEN, cv::Mat::ones(1, least_length, CV_8U));
   cv::morphologyEx(ink, uprights, cv::MORPH_OPEN, cv::Mat::ones(3 * end_size, 1, CV_8U));
-  const Regions regions = regionsOf(runs, 8);
+  const drafting::Regions regions = drafting::regionsOf(runs, 8);
   cv::Mat walls = runs.clone();
   for (int label = 1; label < regions.count; ++label) {
     const cv::Rect box = regions.box(label);
@@ -99,7 +99,7 @@ cv::Mat horizontalDimensions(const cv::Mat& ink, const cv::Mat& lettering, std::
 void checkDimensions(Sheet& sheet) {
   if (sheet.is_map && !sheet.isAskedFor("dimensions")) return;
   const cv::Mat ink = sheet.mask(world::Cell::kOccupied);
-  const Lettering lettering = findLettering(ink);
+  const drafting::Lettering lettering = drafting::findLettering(ink);
   if (lettering.words.empty()) return;
   Finding finding;
   std::vector<cv::Point> across, upright;
@@ -111,16 +111,16 @@ void checkDimensions(Sheet& sheet) {
   for (const auto& p : upright) finding.places.push_back(sheet.place({p.y, p.x}));
   // Extension lines: what is left of the dimension and hangs on nothing.
   const cv::Mat left = ink & ~gone & ~lettering.ink;
-  const Regions pieces = regionsOf(left, 8);
-  const cv::Mat touched = grown(gone, 2.5) & left;
-  std::vector<char> loose = labelsUnder(pieces, touched);
+  const drafting::Regions pieces = drafting::regionsOf(left, 8);
+  const cv::Mat touched = drafting::grown(gone, 2.5) & left;
+  std::vector<char> loose = drafting::labelsUnder(pieces, touched);
   for (int label = 1; label < pieces.count; ++label) {
     const cv::Rect box = pieces.box(label);
     const bool is_short_line = std::min(box.width, box.height) <= 5 &&
                                std::max(box.width, box.height) < 0.2 * std::max(ink.cols, ink.rows);
     loose[static_cast<size_t>(label)] = loose[static_cast<size_t>(label)] && is_short_line;
   }
-  gone |= maskOf(pieces, loose);
+  gone |= drafting::maskOf(pieces, loose);
   finding.key = "dimensions";
   finding.severity = Severity::kWarning;
   finding.text = counted(finding.count, "dimension line", "dimension lines") +

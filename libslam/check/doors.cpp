@@ -2,10 +2,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/check/door_arcs.h"
 #include "libslam/check/rules.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/middle_value.h"
+#include "libslam/drafting/door_arcs.h"
 
 namespace slam::check {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 /// Draws and asks in a door's own directions: u from the hinge through the doorway, v along the leaf.
 class DoorFrame {
  public:
-  DoorFrame(const DoorArc& door, const cv::Size& size) : door_(door), size_(size) {}
+  DoorFrame(const drafting::DoorArc& door, const cv::Size& size) : door_(door), size_(size) {}
 
   cv::Point2d at(double u, double v) const {
     return door_.hinge + u * direction(door_.opening_rad) + v * direction(door_.leaf_rad);
@@ -30,7 +30,7 @@ class DoorFrame {
  private:
   static cv::Point2d direction(double angle_rad) { return {core::cos(angle_rad), core::sin(angle_rad)}; }
 
-  const DoorArc& door_;
+  const drafting::DoorArc& door_;
   cv::Size size_;
 };
 
@@ -52,9 +52,9 @@ double strokeBreadth(const cv::Mat& depth, PlaceOf place_of) {
 
 /// Ink of the arc, of the leaf, and of lines drawn across the doorway parallel to the wall. Ink that is
 /// thicker than these strokes are is wall.
-cv::Mat inkOfDoor(const DoorArc& door, const cv::Mat& ink) {
+cv::Mat inkOfDoor(const drafting::DoorArc& door, const cv::Mat& ink) {
   const DoorFrame frame(door, ink.size());
-  const cv::Mat depth = clearance(ink, false);
+  const cv::Mat depth = drafting::clearance(ink, false);
   const double r = door.radius;
   const double arc = strokeBreadth(depth, [&](double t) {
     const double angle = 0.2 + 1.1 * t;
@@ -62,8 +62,8 @@ cv::Mat inkOfDoor(const DoorArc& door, const cv::Mat& ink) {
   });
   const double leaf =
       strokeBreadth(depth, [&](double t) { return cv::Point(frame.at(0, r * (0.2 + 0.6 * t))); });
-  const cv::Mat fine = ink & ~thickStrokes(ink, arc + 2),
-                slab = ink & ~thickStrokes(ink, std::max(arc, leaf) + 2);
+  const cv::Mat fine = ink & ~drafting::thickStrokes(ink, arc + 2),
+                slab = ink & ~drafting::thickStrokes(ink, std::max(arc, leaf) + 2);
 
   cv::Mat swept(ink.size(), CV_8U, cv::Scalar(0)), leaf_strip = swept.clone(), doorway = swept.clone();
   const auto degrees = [](double angle) { return angle * 180 / CV_PI; };
@@ -87,24 +87,24 @@ cv::Mat inkOfDoor(const DoorArc& door, const cv::Mat& ink) {
 }
 
 /// What is left of strokes that were taken away: specks within the door's sweep.
-cv::Mat specksWithin(const DoorArc& door, const cv::Mat& ink) {
+cv::Mat specksWithin(const drafting::DoorArc& door, const cv::Mat& ink) {
   cv::Mat sweep(ink.size(), CV_8U, cv::Scalar(0));
   cv::circle(sweep, door.hinge, static_cast<int>(door.radius) + 3, cv::Scalar(255), cv::FILLED);
   const cv::Rect area = cv::boundingRect(sweep);
   cv::Mat specks(ink.size(), CV_8U, cv::Scalar(0));
-  const Regions regions = regionsOf(ink(area), 8);
+  const drafting::Regions regions = drafting::regionsOf(ink(area), 8);
   std::vector<char> chosen(static_cast<size_t>(regions.count), 0);
   for (int label = 1; label < regions.count; ++label) {
     const cv::Rect box = regions.box(label);
     const bool is_whole = box.x > 0 && box.y > 0 && box.br().x < area.width && box.br().y < area.height;
     chosen[static_cast<size_t>(label)] = is_whole && std::max(box.width, box.height) < 0.35 * door.radius;
   }
-  maskOf(regions, chosen).copyTo(specks(area));
+  drafting::maskOf(regions, chosen).copyTo(specks(area));
   return specks & sweep;
 }
 
 /// What has to be looked at for one door.
-cv::Rect surroundings(const DoorArc& door, const cv::Size& size) {
+cv::Rect surroundings(const drafting::DoorArc& door, const cv::Size& size) {
   const int reach = static_cast<int>(1.5 * door.radius) + 10;
   const cv::Point hinge = door.hinge;
   return cv::Rect(hinge.x - reach, hinge.y - reach, 2 * reach + 1, 2 * reach + 1) & cv::Rect({}, size);
@@ -121,18 +121,18 @@ std::string range(std::vector<double> values) {
 void checkDoors(Sheet& sheet) {
   if (sheet.is_map && !sheet.isAskedFor("doors")) return;
   cv::Mat ink = sheet.mask(world::Cell::kOccupied);
-  const std::vector<DoorArc> doors = doorArcsOf(sheet);
+  const std::vector<drafting::DoorArc> doors = doorArcsOf(sheet);
   Finding finding;
   std::vector<double> leaves_m;
   cv::Mat opened(ink.size(), CV_8U, cv::Scalar(0));
-  const double usual = usualRadius(doors);
-  for (const DoorArc& door : doors) {
+  const double usual = drafting::usualRadius(doors);
+  for (const drafting::DoorArc& door : doors) {
     // One building's leaves are of a kind; what is far from it is a letter or a curved wall.
     const double leaf_m = door.radius * sheet.resolution_m;
     if (door.radius < 0.6 * usual || door.radius > 1.5 * usual) continue;
     if (leaf_m < 0.6 * sheet.options.door_m || leaf_m > 1.8 * sheet.options.door_m) continue;
     const cv::Rect area = surroundings(door, ink.size());
-    DoorArc local = door;
+    drafting::DoorArc local = door;
     local.hinge -= cv::Point2d(area.tl());
     cv::Mat local_ink = ink(area);
     const cv::Mat drawn = inkOfDoor(local, local_ink);

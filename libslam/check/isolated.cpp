@@ -25,12 +25,13 @@ void hide(Sheet& sheet, const cv::Mat& where, Finding finding) {
 
 /// Areas with walls all round, or unknown.
 void hideEnclosed(Sheet& sheet, const cv::Mat& body, double least_room) {
-  const Regions areas = regionsOf(sheet.mask(world::Cell::kFree), 4);
+  const drafting::Regions areas = drafting::regionsOf(sheet.mask(world::Cell::kFree), 4);
   // A robot would fit into a room; a hollow wall may have the area, but not the width.
   const double radius = sheet.toPixels(sheet.options.robot_side_m * std::sqrt(0.5));
   const std::vector<char> wide =
-      labelsUnder(areas, clearance(sheet.mask(world::Cell::kFree), true) > radius + 0.5);
-  std::vector<char> reached = labelsUnder(areas, body), rooms(reached.size(), 0), nooks(reached.size(), 0);
+      drafting::labelsUnder(areas, drafting::clearance(sheet.mask(world::Cell::kFree), true) > radius + 0.5);
+  std::vector<char> reached = drafting::labelsUnder(areas, body), rooms(reached.size(), 0),
+                    nooks(reached.size(), 0);
   Finding room_finding, nook_finding;
   double rooms_area = 0, nooks_area = 0, largest = 0;
   for (int label = 1; label < areas.count; ++label) {
@@ -50,22 +51,22 @@ void hideEnclosed(Sheet& sheet, const cv::Mat& body, double least_room) {
         metres(sheet.squareMetres(rooms_area)) + " m2" +
         (room_finding.count > 1 ? ", the largest " + metres(sheet.squareMetres(largest)) + " m2" : "") + ")" +
         atPixel(room_finding.places);
-    hide(sheet, maskOf(areas, rooms), room_finding);
+    hide(sheet, drafting::maskOf(areas, rooms), room_finding);
   }
   if (nook_finding.count > 0) {
     nook_finding.severity = Severity::kNote;
     nook_finding.text = counted(nook_finding.count, "small free area is", "small free areas are") +
                         " closed all round (" + metres(sheet.squareMetres(nooks_area)) +
                         " m2: hollow walls, furniture, specks)" + atPixel(nook_finding.places);
-    hide(sheet, maskOf(areas, nooks), nook_finding);
+    hide(sheet, drafting::maskOf(areas, nooks), nook_finding);
   }
 }
 
 /// Rooms that are open, but too narrowly for the robot.
 void hideTooNarrow(Sheet& sheet, const Reach& reach, double least_room) {
-  const Regions connected = regionsOf(sheet.mask(world::Cell::kFree), 4);
-  const cv::Mat open = maskOf(connected, labelsUnder(connected, reach.body));
-  const Regions areas = regionsOf(reach.pockets & open, 4);
+  const drafting::Regions connected = drafting::regionsOf(sheet.mask(world::Cell::kFree), 4);
+  const cv::Mat open = drafting::maskOf(connected, drafting::labelsUnder(connected, reach.body));
+  const drafting::Regions areas = drafting::regionsOf(reach.pockets & open, 4);
   std::vector<char> chosen(static_cast<size_t>(areas.count), 0);
   Finding finding;
   double area = 0;
@@ -81,7 +82,7 @@ void hideTooNarrow(Sheet& sheet, const Reach& reach, double least_room) {
   finding.text = counted(finding.count, "room", "rooms") + " (" + metres(sheet.squareMetres(area)) +
                  " m2) can only be reached through gaps too narrow for a robot of side " +
                  metres(sheet.options.robot_side_m) + " m" + atPixel(finding.places);
-  hide(sheet, maskOf(areas, chosen), finding);
+  hide(sheet, drafting::maskOf(areas, chosen), finding);
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/check/clearance_flood.h"
-#include "libslam/check/passages.h"
 #include "libslam/check/rules.h"
+#include "libslam/drafting/clearance_flood.h"
+#include "libslam/drafting/passages.h"
 
 namespace slam::check {
 namespace {
@@ -66,20 +66,20 @@ void checkLeaks(Sheet& sheet) {
   cv::Mat ink;
   cv::copyMakeBorder(sheet.mask(world::Cell::kOccupied), ink, strip, strip, strip, strip, cv::BORDER_CONSTANT,
                      cv::Scalar(0));
-  ClearanceFlood flood(clearance(~ink, false));
+  drafting::ClearanceFlood flood(drafting::clearance(~ink, false));
   flood.markOutside({0, 0});
   const double least_area = sheet.toPixels(1) * sheet.toPixels(1) * sheet.options.least_room_m2;
   const double least_clearance = sheet.toPixels(sheet.options.robot_side_m);
-  const auto isRoom = [&](const Basin& side, double here) {
+  const auto isRoom = [&](const drafting::Basin& side, double here) {
     return static_cast<double>(side.area) >= least_area && side.peak >= kWider * here &&
            side.peak >= least_clearance;
   };
   std::vector<Gap> gaps;
   cv::Mat closed(ink.size(), CV_8U, cv::Scalar(0));
-  flood.run([&](const cv::Point& at, double here, const Basin& a, const Basin& b) {
+  flood.run([&](const cv::Point& at, double here, const drafting::Basin& a, const drafting::Basin& b) {
     if (a.is_outside == b.is_outside) return true;
     if (!isRoom(a.is_outside ? b : a, here) || static_cast<int>(gaps.size()) >= kMostGaps) return true;
-    const double width = widthOfGap(here);
+    const double width = drafting::widthOfGap(here);
     if (width > widest) return true;
     const int reach = static_cast<int>(2 * here) + 3;
     const cv::Point from = nearestInk(ink, at, reach, nullptr);

@@ -8,13 +8,14 @@ namespace {
 /// Ink on the far side of the outer wall: pieces that touch nothing inside, and thin lines that stick out.
 cv::Mat drawnOutside(const Sheet& sheet, const cv::Mat& inside) {
   const cv::Mat ink = sheet.mask(world::Cell::kOccupied);
-  const cv::Mat by_inside = grown(inside, 1.5);
-  const Regions pieces = regionsOf(ink, 8);
-  std::vector<char> loose = labelsUnder(pieces, by_inside & ink);
+  const cv::Mat by_inside = drafting::grown(inside, 1.5);
+  const drafting::Regions pieces = drafting::regionsOf(ink, 8);
+  std::vector<char> loose = drafting::labelsUnder(pieces, by_inside & ink);
   for (size_t label = 0; label < loose.size(); ++label) loose[label] = label > 0 && !loose[label];
   const double spur = sheet.toPixels(sheet.options.widest_spur_m);
-  const cv::Mat far = ink & ~grown(inside, spur + 1) & ~thickStrokes(ink, std::max(4.0, spur / 4));
-  return maskOf(pieces, loose) | far;
+  const cv::Mat far =
+      ink & ~drafting::grown(inside, spur + 1) & ~drafting::thickStrokes(ink, std::max(4.0, spur / 4));
+  return drafting::maskOf(pieces, loose) | far;
 }
 
 /// A building without a closed outline gets one: a frame around all that is drawn.
@@ -44,22 +45,22 @@ void frameEverything(Sheet& sheet) {
 void checkOutside(Sheet& sheet) {
   if (sheet.is_map && !sheet.isAskedFor("outside")) return;
   const cv::Mat free = sheet.mask(world::Cell::kFree);
-  const cv::Mat outside = reachedFromEdge(free);
+  const cv::Mat outside = drafting::reachedFromEdge(free);
   const int paper = cv::countNonZero(outside);
   if (paper == 0) return;
   // Inside is what could be a room; holes of letters and hollow walls are not.
-  const Regions rooms = regionsOf(free & ~outside, 4);
+  const drafting::Regions rooms = drafting::regionsOf(free & ~outside, 4);
   std::vector<char> large(static_cast<size_t>(rooms.count), 0);
   const double least = sheet.toPixels(1) * sheet.toPixels(1) * sheet.options.least_room_m2;
   for (int label = 1; label < rooms.count; ++label)
     large[static_cast<size_t>(label)] = rooms.area(label) >= least;
-  const cv::Mat inside = maskOf(rooms, large);
+  const cv::Mat inside = drafting::maskOf(rooms, large);
   if (cv::countNonZero(inside) == 0) {
     frameEverything(sheet);
     return;
   }
   const cv::Mat drawn = drawnOutside(sheet, inside);
-  const Regions pieces = regionsOf(drawn, 8);
+  const drafting::Regions pieces = drafting::regionsOf(drawn, 8);
   Finding finding;
   finding.key = "outside";
   finding.severity = Severity::kWarning;

@@ -5,10 +5,9 @@
 #include <cctype>
 #include <filesystem>
 
-#include "libslam/check/hidden.h"
-#include "libslam/check/passages.h"
 #include "libslam/check/rules.h"
 #include "libslam/core/error.h"
+#include "libslam/drafting/passages.h"
 #include "libslam/world/map_yaml.h"
 
 namespace slam::check {
@@ -150,7 +149,7 @@ PlanFigures figuresOf(const Sheet& sheet) {
   figures.free_m2 = sheet.squareMetres(figures.free_share * total);
   figures.reachable_m2 = sheet.squareMetres(cv::countNonZero(reachOfRobot(sheet).body));
   const double least_room = sheet.toPixels(1) * sheet.toPixels(1) * sheet.options.least_room_m2;
-  const Passages found = findPassages(free, least_room);
+  const drafting::Passages found = drafting::findPassages(free, least_room);
   figures.rooms = found.rooms;
   for (const auto& passage : found.passages)
     figures.door_widths_m.push_back(passage.width * sheet.resolution_m);
@@ -161,9 +160,9 @@ PlanFigures figuresOf(const Sheet& sheet) {
 
 }  // namespace
 
-const core::ParameterTable<PlanCheckOptions>& PlanCheckOptions::table() {
+const files::ParameterTable<PlanCheckOptions>& PlanCheckOptions::table() {
   using O = PlanCheckOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "check",
       {{"robot_side_m", &O::robot_side_m, 0.4, 0.01, 10.0, "side of the square robot that has to pass"},
        {"widest_gap_m", &O::widest_gap_m, 2.0, 0.0, 100.0,

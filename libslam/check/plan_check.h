@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/world/plan.h"
 
 namespace slam::check {
@@ -60,7 +60,7 @@ struct PlanCheckOptions {
   std::optional<double> resolution_m;   ///< given by the caller, over any yaml
   std::vector<std::string> only, skip;  ///< keys; empty `only`: all
   PlanCheckOptions();
-  static const core::ParameterTable<PlanCheckOptions>& table();
+  static const files::ParameterTable<PlanCheckOptions>& table();
 };
 
 /// The keys of all rules in the order in which they look, with what they look for.

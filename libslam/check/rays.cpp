@@ -8,10 +8,10 @@ void checkRays(Sheet& sheet) {
   if (!sheet.is_map && !sheet.isAskedFor("rays")) return;
   // Free strips too narrow for the robot that run through the unknown; corners lie between walls.
   const double radius = sheet.toPixels(sheet.options.robot_side_m) / 2;
-  const cv::Mat wide =
-      grown(clearance(free | sheet.mask(world::Cell::kOccupied), true) > radius + 0.5, radius + 1);
-  const Regions strips = regionsOf(free & ~wide, 8);
-  const cv::Mat beside_unknown = grown(unknown, 1) & free;
+  const cv::Mat wide = drafting::grown(
+      drafting::clearance(free | sheet.mask(world::Cell::kOccupied), true) > radius + 0.5, radius + 1);
+  const drafting::Regions strips = drafting::regionsOf(free & ~wide, 8);
+  const cv::Mat beside_unknown = drafting::grown(unknown, 1) & free;
   std::vector<int> open_edge(static_cast<size_t>(strips.count), 0);
   for (int y = 0; y < free.rows; ++y)
     for (int x = 0; x < free.cols; ++x)
@@ -26,7 +26,7 @@ void checkRays(Sheet& sheet) {
     if (finding.places.size() < 20) finding.places.push_back(sheet.place(strips.anyPixel(label)));
   }
   if (finding.count == 0) return;
-  const int pixels = sheet.paint(maskOf(strips, chosen), world::Cell::kUnknown, Change::kHidden);
+  const int pixels = sheet.paint(drafting::maskOf(strips, chosen), world::Cell::kUnknown, Change::kHidden);
   finding.key = "rays";
   const double share = static_cast<double>(pixels) / cv::countNonZero(free);
   finding.severity = share > 0.002 ? Severity::kWarning : Severity::kNote;

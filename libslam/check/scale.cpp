@@ -2,10 +2,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/check/door_arcs.h"
-#include "libslam/check/passages.h"
 #include "libslam/check/rules.h"
 #include "libslam/core/elementary.h"
+#include "libslam/drafting/door_arcs.h"
+#include "libslam/drafting/passages.h"
 
 namespace slam::check {
 namespace {
@@ -26,9 +26,9 @@ struct Evidence {
 Evidence evidenceOf(Sheet& sheet) {
   const cv::Mat ink = sheet.mask(world::Cell::kOccupied);
   if (!sheet.is_map) {
-    const std::vector<DoorArc> doors = doorArcsOf(sheet);
+    const std::vector<drafting::DoorArc> doors = doorArcsOf(sheet);
     if (!doors.empty()) {
-      const double usual = usualRadius(doors);
+      const double usual = drafting::usualRadius(doors);
       return {usual, counted(static_cast<int>(doors.size()), "door leaf", "door leaves") + " of about " +
                          std::to_string(std::lround(usual)) + " pixels"};
     }
@@ -36,7 +36,8 @@ Evidence evidenceOf(Sheet& sheet) {
   std::vector<double> widths;
   const double least_area = 0.0005 * static_cast<double>(ink.total());
   // A few pixels are too coarse to tell a door by.
-  for (const Passage& passage : findPassages(sheet.mask(world::Cell::kFree), least_area).passages)
+  for (const drafting::Passage& passage :
+       drafting::findPassages(sheet.mask(world::Cell::kFree), least_area).passages)
     if (passage.width >= 4) widths.push_back(passage.width);
   if (widths.size() < 3) return {};
   // Widths that agree are doors; a spread is a crowd of unlike gaps.
@@ -48,7 +49,7 @@ Evidence evidenceOf(Sheet& sheet) {
 }
 
 std::string resolutionText(double resolution_m) {
-  return core::formatNumber(resolution_m) + " m a pixel";
+  return files::formatNumber(resolution_m) + " m a pixel";
 }
 
 /// To two digits: more would say more than a door knows.
@@ -79,7 +80,7 @@ void checkScale(Sheet& sheet) {
     finding.remedy = "keeps what was given";
     if (evidence.door_pixels > 0)
       finding.remedy += "; doors of " + metres(sheet.options.door_m) + " m give --resolution " +
-                        core::formatNumber(rounded(sheet.options.door_m / evidence.door_pixels));
+                        files::formatNumber(rounded(sheet.options.door_m / evidence.door_pixels));
     sheet.findings.push_back(finding);
     return;
   }

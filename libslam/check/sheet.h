@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/check/door_arcs.h"
 #include "libslam/check/plan_check.h"
+#include "libslam/drafting/door_arcs.h"
+#include "libslam/drafting/regions.h"
 #include "libslam/world/picture_file.h"
 
 namespace slam::check {
@@ -26,7 +27,7 @@ struct Sheet {
   cv::Mat changes;             ///< CV_8U, values of Change
   cv::Mat faint;               ///< 255 on all lines of a drawing, those too pale for a wall, too; or empty
   std::vector<Finding> findings;
-  std::optional<std::vector<DoorArc>> door_arcs;  ///< once they have been looked for: doorArcsOf()
+  std::optional<std::vector<drafting::DoorArc>> door_arcs;  ///< once they have been looked for: doorArcsOf()
 
   cv::Mat mask(world::Cell cell) const { return cells == static_cast<int>(cell); }  ///< 255 where it is
   /// Sets the cells under the mask; those that already are so stay unchanged. Returns how many changed.
@@ -38,36 +39,8 @@ struct Sheet {
   bool isAskedFor(const std::string& key) const;
 };
 
-/// Connected sets of a mask; label 0 is the background.
-struct Regions {
-  cv::Mat labels;  ///< CV_32S
-  int count = 0;   ///< with the background
-  cv::Mat stats, centroids;
-  int area(int label) const { return stats.at<int>(label, cv::CC_STAT_AREA); }
-  cv::Rect box(int label) const;
-  cv::Point anyPixel(int label) const;  ///< the first in reading order
-};
-Regions regionsOf(const cv::Mat& mask, int connectivity);
-
-/// 255 where the label's entry in `chosen` is not 0. Cost: one pass.
-cv::Mat maskOf(const Regions& regions, const std::vector<char>& chosen);
-/// Labels that occur under the mask.
-std::vector<char> labelsUnder(const Regions& regions, const cv::Mat& mask);
-/// Free cells 4-connected with the edge of the picture.
-cv::Mat reachedFromEdge(const cv::Mat& free);
-
-/// A disc-shaped brush; dilating with it reaches `radius` pixels.
-cv::Mat disc(double radius);
-/// Cells at most `radius` from a marked one, by the exact distance between centres.
-cv::Mat grown(const cv::Mat& mask, double radius);
-/// Ink that stays when a disc of this diameter must fit within: the thick strokes.
-cv::Mat thickStrokes(const cv::Mat& ink, double diameter);
-/// Distance of each marked cell's centre to the nearest centre of one that is not; the picture's edge counts
-/// as not marked when `edge_counts`. CV_32F.
-cv::Mat clearance(const cv::Mat& mask, bool edge_counts);
-
 /// The doors drawn on the sheet when this was first asked, lettering left out.
-const std::vector<DoorArc>& doorArcsOf(Sheet& sheet);
+const std::vector<drafting::DoorArc>& doorArcsOf(Sheet& sheet);
 
 /// What a robot can do in it, when it keeps to free cells: the unknown stops it as walls do, because there
 /// walls are built in the end.
@@ -76,6 +49,16 @@ struct Reach {
   cv::Mat pockets;  ///< cells that the body could cover from somewhere else only
 };
 Reach reachOfRobot(const Sheet& sheet);
+
+/// Free space amid the walls before mending, and how much of it is unknown afterwards. Cells.
+struct HiddenSpace {
+  int before = 0, hidden = 0;
+};
+
+/// `before`: the cells as they were read, as the sheet's lie; `drawn`: once text and dimension lines are gone
+/// and before the outside is taken away. Amid the walls is what the paper around a drawing does not reach
+/// through gaps of up to 4 m, of a map everything.
+HiddenSpace hiddenSpace(const Sheet& sheet, const cv::Mat& before, const cv::Mat& drawn);
 
 /// The gray of unknown cells as map servers write it: 205, or 206 where rounded up.
 inline bool isMapServersGray(std::uint16_t gray) {

@@ -10,9 +10,9 @@ constexpr double kSpeck_m2 = 0.03;
 
 void checkSpecks(Sheet& sheet) {
   if (!sheet.is_map && !sheet.isAskedFor("specks")) return;
-  const Regions areas = regionsOf(sheet.mask(world::Cell::kUnknown), 8);
-  const cv::Mat beside_wall = grown(sheet.mask(world::Cell::kOccupied), 1.5);
-  std::vector<char> chosen = labelsUnder(areas, beside_wall);
+  const drafting::Regions areas = drafting::regionsOf(sheet.mask(world::Cell::kUnknown), 8);
+  const cv::Mat beside_wall = drafting::grown(sheet.mask(world::Cell::kOccupied), 1.5);
+  std::vector<char> chosen = drafting::labelsUnder(areas, beside_wall);
   Finding finding;
   for (int label = 1; label < areas.count; ++label) {
     char& is_speck = chosen[static_cast<size_t>(label)];
@@ -27,7 +27,7 @@ void checkSpecks(Sheet& sheet) {
       counted(finding.count, "speck", "specks") + " of unknown amid free space" + atPixel(finding.places);
   finding.remedy = finding.count == 1 ? "makes it free" : "makes them free";
   finding.is_mendable = true;
-  sheet.paint(maskOf(areas, chosen), world::Cell::kFree, Change::kNone);
+  sheet.paint(drafting::maskOf(areas, chosen), world::Cell::kFree, Change::kNone);
   sheet.findings.push_back(finding);
 }
 

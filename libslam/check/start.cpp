@@ -10,7 +10,7 @@ void checkStart(Sheet& sheet) {
   finding.key = "start";
   finding.severity = Severity::kError;
   finding.text = "no place for a robot of side " + metres(sheet.options.robot_side_m) + " m at " +
-                 core::formatNumber(sheet.resolution_m) + " m a pixel";
+                 files::formatNumber(sheet.resolution_m) + " m a pixel";
   finding.remedy = "cannot help: give --resolution, or a smaller --robot-side";
   sheet.findings.push_back(finding);
 }

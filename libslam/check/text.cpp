@@ -1,18 +1,18 @@
-#include "libslam/check/lettering.h"
 #include "libslam/check/rules.h"
+#include "libslam/drafting/lettering.h"
 
 namespace slam::check {
 
 void checkText(Sheet& sheet) {
   if (sheet.is_map && !sheet.isAskedFor("text")) return;
-  const Lettering lettering = findLettering(sheet.mask(world::Cell::kOccupied));
+  const drafting::Lettering lettering = drafting::findLettering(sheet.mask(world::Cell::kOccupied));
   if (lettering.words.empty()) return;
   Finding finding;
   finding.key = "text";
   finding.severity = Severity::kWarning;
   finding.count = static_cast<int>(lettering.words.size());
   int glyphs = 0;
-  for (const Word& word : lettering.words) {
+  for (const drafting::Word& word : lettering.words) {
     glyphs += word.glyphs;
     finding.places.push_back(sheet.place(word.box.tl()));
   }

@@ -67,7 +67,7 @@ Levels levelsOf(const cv::Mat& darkness) {
 }
 
 int enclosedAreas(const cv::Mat& walls) {
-  const Regions regions = regionsOf(~walls, 4);
+  const drafting::Regions regions = drafting::regionsOf(~walls, 4);
   int count = 0;
   for (int label = 1; label < regions.count; ++label) count += regions.area(label) >= 25;
   return count;
@@ -135,7 +135,7 @@ void hideUsualGray(Sheet& sheet) {
   finding.text = "gray 205 and 206, which map servers write for unknown (" +
                  percent(static_cast<double>(count) / static_cast<double>(hidden.total())) +
                  " of the picture), counts as free with free_thresh " +
-                 core::formatNumber(sheet.reading.free_threshold);
+                 files::formatNumber(sheet.reading.free_threshold);
   finding.remedy = "makes it unknown";
   finding.is_mendable = true;
   sheet.paint(hidden, world::Cell::kUnknown, Change::kHidden);
@@ -149,7 +149,7 @@ void checkMap(Sheet& sheet) {
   cv::morphologyEx(unknown, flat, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8U), {-1, -1}, 1,
                    cv::BORDER_REPLICATE);
   const cv::Mat walls = sheet.mask(world::Cell::kOccupied);
-  const cv::Mat between = unknown & ~flat & grown(walls, 1.5) & ~usualGray(sheet),
+  const cv::Mat between = unknown & ~flat & drafting::grown(walls, 1.5) & ~usualGray(sheet),
                 darkness = darknessOf(sheet);
   const cv::Mat dark = between & (darkness > kCut), pale = between & ~dark;
   const int count = cv::countNonZero(between);

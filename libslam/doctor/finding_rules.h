@@ -24,7 +24,7 @@ class FindingRules {
   void skipped();
   void scans();
   void stamps();
-  bool sharesStamps(const StreamFigures& stream) const;
+  bool sharesStamps(const calibration::StreamFigures& stream) const;
   void units();
   void geometry();
   void noReturns();
@@ -35,13 +35,13 @@ class FindingRules {
 
   void matching();
   void view();
-  static std::string sweepText(const Estimate& e);
+  static std::string sweepText(const calibration::Estimate& e);
   void sweep();
   double scanPeriod() const;
   void odometry();
-  const OdometryFigures& best() const;
+  const calibration::OdometryFigures& best() const;
   void clock();
-  static std::string shiftAdvice(const OdometryFigures& odometry);
+  static std::string shiftAdvice(const calibration::OdometryFigures& odometry);
   void scale();
   void disagreements();
   void mounting();

@@ -31,7 +31,7 @@ std::string plural(std::uint64_t count, const char* one, const char* more) {
   return std::to_string(count) + " " + (count == 1 ? one : more);
 }
 
-std::string shown(const Estimate& e, double factor, int decimals) {
+std::string shown(const calibration::Estimate& e, double factor, int decimals) {
   const double a = std::min(e.low * factor, e.high * factor), b = std::max(e.low * factor, e.high * factor);
   return text("%.*f (%.*f to %.*f)", decimals, e.value * factor, decimals, a, decimals, b);
 }

@@ -15,7 +15,7 @@ unsigned long n(std::uint64_t count);
 double share(std::uint64_t part, std::uint64_t whole);
 std::string plural(std::uint64_t count, const char* one, const char* more);
 /// "1.003 (0.998 to 1.008)"
-std::string shown(const Estimate& e, double factor, int decimals);
+std::string shown(const calibration::Estimate& e, double factor, int decimals);
 /// "0 to 3, 17 and 170 to 179", shortened after six runs. REQUIRES rising numbers.
 std::string beamList(const std::vector<int>& beams);
 

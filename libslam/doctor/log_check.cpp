@@ -11,17 +11,17 @@
 #include <memory>
 #include <optional>
 
+#include "libslam/calibration/log_visitor.h"
+#include "libslam/calibration/motion_series.h"
+#include "libslam/calibration/odometry_tally.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/doctor/log_visitor.h"
-#include "libslam/doctor/motion_series.h"
-#include "libslam/doctor/odometry_tally.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/logs/log_motion.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/objects/sweep_note.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/rawlogs/log_motion.h"
 
 namespace slam::doctor {
 namespace {
@@ -55,7 +55,7 @@ class OdometryReader {
     core::Pose2 T_odom_robot;
   };
   void takeActions(const CActionCollection& actions) {
-    const auto increment = logs::incrementOf(actions);
+    const auto increment = rawlogs::incrementOf(actions);
     if (!increment || !core::isFinite(*increment)) return;
     pose_ = pose_ * *increment;
     is_pending_ = true;
@@ -70,7 +70,7 @@ class OdometryReader {
     }
     if (!is_in_frame || !is_pending_) return std::nullopt;
     is_pending_ = false;
-    return Reading{kActionStream, stampOf(observation.timestamp), pose_};
+    return Reading{calibration::kActionStream, stampOf(observation.timestamp), pose_};
   }
 
  private:
@@ -98,14 +98,14 @@ class StreamSurvey {
   void takeOther(const mrpt::serialization::CSerializable& object) {
     tallies_.add(className(object), "", std::nullopt);
   }
-  std::vector<StreamFigures> figures() const { return tallies_.figures(); }
+  std::vector<calibration::StreamFigures> figures() const { return tallies_.figures(); }
 
  private:
-  StreamTallies tallies_;
+  calibration::StreamTallies tallies_;
 };
 
 /// The first reading of a log: stamps and ranges.
-class Survey : public LogVisitor {
+class Survey : public calibration::LogVisitor {
  public:
   explicit Survey(LogFigures& figures) : figures_(figures) {}
 
@@ -176,16 +176,16 @@ class Survey : public LogVisitor {
 
   LogFigures& figures_;
   StreamSurvey streams_;
-  std::map<std::string, RangeTally> lidars_;
-  std::map<std::string, robot::Sweep> sweeps_;
+  std::map<std::string, calibration::RangeTally> lidars_;
+  std::map<std::string, lidar::Sweep> sweeps_;
   OdometryReader odometry_;
-  std::map<std::string, OdometryTally> odometry_tallies_;
+  std::map<std::string, calibration::OdometryTally> odometry_tallies_;
   std::optional<double> newest_s_;
   bool has_resolution_ = false;
 };
 
 /// The second reading: motion.
-class Matching : public LogVisitor {
+class Matching : public calibration::LogVisitor {
  public:
   Matching(LogFigures& figures, double period_s)
       : figures_(figures),
@@ -216,7 +216,7 @@ class Matching : public LogVisitor {
     double best = -1;
     for (std::size_t i = 0; i < figures_.odometry.size(); ++i) {
       auto& odometry = figures_.odometry[i];
-      odometry.clock = findClockOffset(series_.stretches(), odometry.stream);
+      odometry.clock = calibration::findClockOffset(series_.stretches(), odometry.stream);
       const double merit = odometry.clock.is_observable ? 1 + odometry.clock.correlation : 0;
       const bool is_better =
           merit > best ||
@@ -227,14 +227,15 @@ class Matching : public LogVisitor {
     if (figures_.best_odometry < 0) return;
     const auto& odometry = figures_.odometry[static_cast<std::size_t>(figures_.best_odometry)];
     const double offset_s = odometry.clock.is_observable ? odometry.clock.offset_s.value : 0;
-    figures_.fit = fitOdometry(series_.stretches(), odometry.stream, offset_s);
+    figures_.fit = calibration::fitOdometry(series_.stretches(), odometry.stream, offset_s);
     for (const auto& stretch : series_.stretches()) findDisagreements(stretch, odometry.stream, offset_s);
   }
 
  private:
   bool isKnown(const std::string& stream) const {
-    return std::any_of(figures_.odometry.begin(), figures_.odometry.end(),
-                       [&stream](const OdometryFigures& odometry) { return odometry.stream == stream; });
+    return std::any_of(
+        figures_.odometry.begin(), figures_.odometry.end(),
+        [&stream](const calibration::OdometryFigures& odometry) { return odometry.stream == stream; });
   }
 
   void takeScan(const CObservation2DRangeScan& observation) {
@@ -244,9 +245,9 @@ class Matching : public LogVisitor {
       ++figures_.scans_without_time;
       return;
     }
-    robot::Scan scan;
+    lidar::Scan scan;
     try {
-      scan = robot::fromMrpt(observation);
+      scan = lidar::fromMrpt(observation);
     } catch (const core::InputError& error) {
       if (figures_.refused_scans++ == 0) figures_.refused_scan = error.what();
       return;
@@ -255,8 +256,8 @@ class Matching : public LogVisitor {
     newest_s_ = time_s;
     if (const auto& spike = figures_.ranges.spike)
       for (float& range_m : scan.ranges_m)
-        if (range_m >= spike->threshold_m) range_m = robot::kNoReturn;
-    const ScanStep* step = series_.addScan(scan);
+        if (range_m >= spike->threshold_m) range_m = lidar::kNoReturn;
+    const calibration::ScanStep* step = series_.addScan(scan);
     pairs_.addScan(scan, step);
     sweep_pairs_.addScan(scan, motionTo(step));
     T_odom_previous_ = T_odom_robot_;
@@ -272,16 +273,16 @@ class Matching : public LogVisitor {
 
   /// The robot's motion since the scan before: the odometry's, else what the scans show, as far as skewed
   /// ones can.
-  std::optional<core::Pose2> motionTo(const ScanStep* step) const {
+  std::optional<core::Pose2> motionTo(const calibration::ScanStep* step) const {
     if (!step || !step->is_matched) return std::nullopt;
     if (T_odom_previous_ && T_odom_robot_) return core::between(*T_odom_previous_, *T_odom_robot_);
     const auto& mount = figures_.ranges.T_robot_lidar;
     return mount * step->T_previous_lidar * core::inverse(mount);
   }
 
-  void findDisagreements(const Stretch& stretch, const std::string& stream, double offset_s) {
+  void findDisagreements(const calibration::Stretch& stretch, const std::string& stream, double offset_s) {
     constexpr double kLeast_m = 0.5, kLeast_rad = 0.5;
-    const OdometryCurve odometry(stretch, stream);
+    const calibration::OdometryCurve odometry(stretch, stream);
     const auto& mount = figures_.ranges.T_robot_lidar;
     for (const auto& step : stretch.steps) {
       if (!step.is_reliable || step.to_s <= step.from_s) continue;
@@ -300,9 +301,9 @@ class Matching : public LogVisitor {
   }
 
   LogFigures& figures_;
-  MotionSeries series_;
-  ViewPairs pairs_;
-  SweepPairs sweep_pairs_;
+  calibration::MotionSeries series_;
+  calibration::ViewPairs pairs_;
+  calibration::SweepPairs sweep_pairs_;
   std::string sweep_stream_;
   std::optional<core::Pose2> T_odom_robot_, T_odom_previous_;  ///< at this scan and at the one before
   OdometryReader odometry_;
@@ -310,8 +311,8 @@ class Matching : public LogVisitor {
 };
 
 /// Visits all objects up to the end or the damage; the reader's words for it, or "".
-std::string visitAll(objects::ObjectSource& source, LogVisitor& visitor, core::Progress& progress,
-                     const LogFigures& figures) {
+std::string visitAll(objects::ObjectSource& source, calibration::LogVisitor& visitor,
+                     core::Progress& progress, const LogFigures& figures) {
   constexpr std::uint64_t kBetweenReports = 256;
   try {
     while (const auto object = source.next()) {
@@ -326,7 +327,7 @@ std::string visitAll(objects::ObjectSource& source, LogVisitor& visitor, core::P
 }
 
 /// Ranges in another unit than metres: nothing can be matched.
-bool isInMetres(const RangeFigures& ranges) {
+bool isInMetres(const calibration::RangeFigures& ranges) {
   return ranges.median_m < 60;
 }
 
@@ -376,8 +377,8 @@ LogCheck checkLog(const std::string& path, const std::string& lidar, core::Progr
   return check;
 }
 
-std::vector<StreamFigures> streamsOf(const std::string& path) {
-  struct Streams : LogVisitor {
+std::vector<calibration::StreamFigures> streamsOf(const std::string& path) {
+  struct Streams : calibration::LogVisitor {
     StreamSurvey survey;
     void takeObservation(const CObservation& observation, bool) override {
       survey.takeObservation(observation);

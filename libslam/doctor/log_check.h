@@ -3,29 +3,15 @@
 #include <string>
 #include <vector>
 
+#include "libslam/calibration/odometry_fit.h"
+#include "libslam/calibration/odometry_tally.h"
+#include "libslam/calibration/range_tally.h"
+#include "libslam/calibration/stamp_tally.h"
+#include "libslam/calibration/sweep_fit.h"
+#include "libslam/calibration/view_fit.h"
 #include "libslam/core/progress.h"
-#include "libslam/doctor/clock_offset.h"
-#include "libslam/doctor/odometry_fit.h"
-#include "libslam/doctor/range_tally.h"
-#include "libslam/doctor/stamp_tally.h"
-#include "libslam/doctor/sweep_fit.h"
-#include "libslam/doctor/view_fit.h"
 
 namespace slam::doctor {
-
-inline constexpr const char* kActionStream = "actions";
-
-/// One source of odometry in a log.
-struct OdometryFigures {
-  std::string stream;  ///< the label of its CObservationOdometry; kActionStream for increments in actions
-  std::uint64_t readings = 0;
-  double path_m = 0, turned_rad = 0;  ///< jumps left out
-  /// Steps too far for a robot: more than half a metre and faster than 3 m/s (or five times the speed that it
-  /// keeps under 95 % of the time, if that is more), or more than half a radian and faster than 5 rad/s.
-  std::uint64_t jumps = 0;
-  double largest_jump_m = 0, largest_jump_at_s = 0;
-  ClockOffset clock;
-};
 
 /// What was seen in a log, as plain figures.
 struct LogFigures {
@@ -33,15 +19,15 @@ struct LogFigures {
   std::uint64_t file_bytes = 0;
   std::uint64_t objects = 0;
   bool has_frames = false, has_bare_observations = false;
-  std::string damage;                  ///< the reader's words where the log breaks off, or ""
-  std::string skipped;                 ///< as ObjectSource::skipped()
-  double first_s = 0, last_s = 0;      ///< earliest and latest stamp of all
-  std::vector<StreamFigures> streams;  ///< by kind and label
+  std::string damage;                               ///< the reader's words where the log breaks off, or ""
+  std::string skipped;                              ///< as ObjectSource::skipped()
+  double first_s = 0, last_s = 0;                   ///< earliest and latest stamp of all
+  std::vector<calibration::StreamFigures> streams;  ///< by kind and label
   std::uint64_t backward_in_file = 0;  ///< objects stamped earlier than the one before, of whichever stream
   double largest_backward_in_file_s = 0;
 
   std::string lidar;  ///< label of the one that was looked at
-  RangeFigures ranges;
+  calibration::RangeFigures ranges;
   bool is_view_given = true;  ///< false: the log does not say the field of view, the reader took it from the
                               ///< number of readings
   std::string refused_scan;   ///< the words about the first scan that no method here can take, or ""
@@ -50,12 +36,12 @@ struct LogFigures {
 
   std::uint64_t matched_pairs = 0, unmatched_pairs = 0, unsure_pairs = 0;  ///< of consecutive scans
   double first_unmatched_s = 0;
-  ViewFit view;
-  std::optional<robot::Sweep> stated_sweep;  ///< of the lidar, where the log says it (objects/sweep_note.h)
-  SweepFit sweep;
-  std::vector<OdometryFigures> odometry;  ///< by stream
+  calibration::ViewFit view;
+  std::optional<lidar::Sweep> stated_sweep;  ///< of the lidar, where the log says it (objects/sweep_note.h)
+  calibration::SweepFit sweep;
+  std::vector<calibration::OdometryFigures> odometry;  ///< by stream
   int best_odometry = -1;  ///< the one that agrees best with the scans; the next three are of it
-  OdometryFit fit;
+  calibration::OdometryFit fit;
   std::uint64_t disagreements =
       0;  ///< steps where scans and odometry differ by half a metre or half a radian
   double largest_disagreement_m = 0, largest_disagreement_rad = 0, largest_disagreement_at_s = 0;
@@ -99,7 +85,7 @@ LogCheck checkLog(const std::string& path, const std::string& lidar, core::Progr
 
 /// The streams of a log alone: one quick pass. A log that breaks off gives what comes before. Errors: as
 /// checkLog().
-std::vector<StreamFigures> streamsOf(const std::string& path);
+std::vector<calibration::StreamFigures> streamsOf(const std::string& path);
 
 /// The rules alone: what the figures mean and what to do.
 std::vector<Finding> findingsOf(const LogFigures& figures);

@@ -74,7 +74,7 @@ void FindingRules::view() {
       text("rasterslam filter LOG -o OUT --step %.4g (degrees between two readings)", nearest_deg));
 }
 
-std::string FindingRules::sweepText(const Estimate& e) {
+std::string FindingRules::sweepText(const calibration::Estimate& e) {
   const bool is_clockwise = e.value < 0;
   return shown(e, is_clockwise ? -1 : 1, 3) + " s" + (is_clockwise ? ", clockwise" : "");
 }
@@ -141,7 +141,7 @@ void FindingRules::odometry() {
   }
 }
 
-const OdometryFigures& FindingRules::best() const {
+const calibration::OdometryFigures& FindingRules::best() const {
   return f_.odometry[static_cast<std::size_t>(f_.best_odometry)];
 }
 
@@ -165,8 +165,8 @@ void FindingRules::clock() {
   }
 }
 
-std::string FindingRules::shiftAdvice(const OdometryFigures& odometry) {
-  if (odometry.stream == kActionStream)
+std::string FindingRules::shiftAdvice(const calibration::OdometryFigures& odometry) {
+  if (odometry.stream == calibration::kActionStream)
     return "increments in actions have no label to shift: rasterslam convert to observations, then shift "
            "these";
   return text("rasterslam filter LOG -o OUT --shift '%s=%.3f'", odometry.stream.c_str(),

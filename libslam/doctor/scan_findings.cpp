@@ -18,7 +18,7 @@ constexpr double kLargeStepBack_s = 1;
 constexpr const char* kScanKind = "CObservation2DRangeScan";
 constexpr double kMillimetres_m = 500;  // median reading; between here and 60 it is centimetres
 
-std::string streamName(const StreamFigures& stream) {
+std::string streamName(const calibration::StreamFigures& stream) {
   return stream.kind + (stream.label.empty() ? "" : " '" + stream.label + "'");
 }
 
@@ -101,13 +101,14 @@ void FindingRules::stamps() {
 }
 
 /// The odometry that a message of the lidar carries has the scan's stamps, and their faults.
-bool FindingRules::sharesStamps(const StreamFigures& stream) const {
+bool FindingRules::sharesStamps(const calibration::StreamFigures& stream) const {
   if (stream.kind == kScanKind) return false;
-  return std::any_of(f_.streams.begin(), f_.streams.end(), [&stream](const StreamFigures& other) {
-    return other.kind == kScanKind && other.count == stream.count && other.first_s == stream.first_s &&
-           other.last_s == stream.last_s && other.backward == stream.backward &&
-           other.largest_backward_s == stream.largest_backward_s;
-  });
+  return std::any_of(
+      f_.streams.begin(), f_.streams.end(), [&stream](const calibration::StreamFigures& other) {
+        return other.kind == kScanKind && other.count == stream.count && other.first_s == stream.first_s &&
+               other.last_s == stream.last_s && other.backward == stream.backward &&
+               other.largest_backward_s == stream.largest_backward_s;
+      });
 }
 
 void FindingRules::units() {

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/draw/page_text.h"
+#include "libslam/files/files.h"
 
 namespace slam::draw {
 namespace {
@@ -165,7 +165,7 @@ void Canvas::text(Pixel at, const std::string& utf8, double size, Colour colour,
 void Canvas::save(const std::string& path) const {
   requirePicturePath(path);
   const auto extension = std::filesystem::path(path).extension();
-  core::writeFileAtomically(path, extension == ".png" ? toPng() : extension == ".svg" ? toSvg() : toPdf());
+  files::writeFileAtomically(path, extension == ".png" ? toPng() : extension == ".svg" ? toSvg() : toPdf());
 }
 
 }  // namespace slam::draw

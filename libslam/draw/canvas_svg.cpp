@@ -1,14 +1,14 @@
-#include "libslam/core/parameters.h"
 #include "libslam/draw/canvas.h"
 #include "libslam/draw/canvas_formats.h"
 #include "libslam/draw/page_text.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::draw {
 namespace {
 
 /// To a hundredth of a unit.
 std::string number(double value) {
-  return core::formatNumber(std::round(value * 100) / 100 + 0.0);
+  return files::formatNumber(std::round(value * 100) / 100 + 0.0);
 }
 
 std::string attribute(const char* name, double value) {

@@ -5,7 +5,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/middle_value.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::draw {
 namespace {
@@ -292,7 +292,7 @@ double niceStep(double most) {
 
 std::string stepLabel(double value) {
   // Steps below 1 are products with an inexact power of ten.
-  return core::formatNumber(std::round(value * 1e6) / 1e6);
+  return files::formatNumber(std::round(value * 1e6) / 1e6);
 }
 
 double titleHeight(const std::string& title) {

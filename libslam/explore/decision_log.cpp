@@ -18,7 +18,7 @@ core::Point2 goalInMap(const DecisionEntry& entry) {
   return entry.T_map_robot * core::polar(d.distance_m, d.turn_rad);
 }
 
-bool isSame(const navigate::Decision& a, const navigate::Decision& b) {
+bool isSame(const choices::Decision& a, const choices::Decision& b) {
   return a.turn_rad == b.turn_rad && a.distance_m == b.distance_m && a.score == b.score &&
          a.finished == b.finished && a.reason == b.reason && areSame(a.path, b.path) &&
          areSame(a.alternatives, b.alternatives);

@@ -51,7 +51,7 @@ class SharedProgress {
 };
 
 void runJob(ExplorationJob& job, const world::Plan& plan, const LoopMethod& method,
-            const core::Manifest& manifest, core::Progress& progress, record::StepObserver* observer) {
+            const resources::Manifest& manifest, core::Progress& progress, record::StepObserver* observer) {
   if (!job.folder.empty()) fs::create_directories(job.folder);
   try {
     job.result = exploreOnce(plan, *job.config, method, job.seed, job.folder, manifest, progress, observer);
@@ -80,7 +80,7 @@ std::vector<ExplorationJob> makeJobs(const ExploreRequest& request, const std::s
 }
 
 void runJobs(std::vector<ExplorationJob>& jobs, const world::Plan& plan, const LoopMethod& method,
-             int thread_count, const core::Manifest& manifest, core::Progress& progress,
+             int thread_count, const resources::Manifest& manifest, core::Progress& progress,
              record::StepObserver* observer) {
   SharedProgress shared(progress, jobs.size());
   std::atomic<bool> ended{false};

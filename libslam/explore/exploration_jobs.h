@@ -21,7 +21,7 @@ std::vector<ExplorationJob> makeJobs(const ExploreRequest& request, const std::s
 /// Each run is independent, so the number of threads changes nothing but the time. The first error but
 /// MethodError, which is a result, ends it: no more runs are begun.
 void runJobs(std::vector<ExplorationJob>& jobs, const world::Plan& plan, const LoopMethod& method,
-             int thread_count, const core::Manifest& manifest, core::Progress& progress,
+             int thread_count, const resources::Manifest& manifest, core::Progress& progress,
              record::StepObserver* observer);
 
 }  // namespace slam::explore

@@ -43,7 +43,7 @@ void drive(ExploringRobot& robot, const ExploreConfig& config, core::Progress& p
 }  // namespace
 
 LoopResult exploreOnce(const world::Plan& given_plan, const ExploreConfig& config, const LoopMethod& method,
-                       std::uint64_t seed, const std::string& folder, core::Manifest manifest,
+                       std::uint64_t seed, const std::string& folder, resources::Manifest manifest,
                        core::Progress& progress, record::StepObserver* observer) {
   const world::Plan plan = record::planOfVisit(given_plan, config.record.living, seed);
   ExploringRobot robot(plan, config, method, seed, placeOf(plan, config.record), folder);

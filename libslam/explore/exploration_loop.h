@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
 #include "libslam/explore/explore.h"
+#include "libslam/files/ini.h"
 #include "libslam/record/step_observer.h"
 #include "libslam/world/plan.h"
 
@@ -22,7 +22,7 @@ struct LoopResult {
 /// The SLAM method of an exploration.
 struct LoopMethod {
   std::string name;
-  core::IniFile config;
+  files::IniFile config;
   bool is_reference = false;  ///< localised by the truth
 };
 
@@ -30,7 +30,7 @@ struct LoopMethod {
 /// InputError (start, configuration), MethodError (the method failed at the first scan). One that fails later
 /// ends the run with ExplorationEnd::kFailed; the folder holds what it had mapped.
 LoopResult exploreOnce(const world::Plan& given_plan, const ExploreConfig& config, const LoopMethod& method,
-                       std::uint64_t seed, const std::string& folder, core::Manifest manifest,
+                       std::uint64_t seed, const std::string& folder, resources::Manifest manifest,
                        core::Progress& progress, record::StepObserver* observer = nullptr);
 
 }  // namespace slam::explore

@@ -7,12 +7,13 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/explore/coverage_charts.h"
 #include "libslam/explore/exploration_jobs.h"
 #include "libslam/explore/exploration_tables.h"
 #include "libslam/explore/loop_localiser.h"
 #include "libslam/explore/oracle_files.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/table/latex.h"
 #include "libslam/table/number_text.h"
 
@@ -114,7 +115,7 @@ void collect(const std::vector<ExplorationJob>& jobs, const std::string& folder,
 void writeTables(const ExplorationReport& result, const table::Table& statistics,
                  const std::string& plan_name, const std::string& folder) {
   const auto write = [&](const char* name, const std::string& text) {
-    core::writeFileAtomically(folder + "/" + name, text);
+    files::writeFileAtomically(folder + "/" + name, text);
   };
   write("scores.txt", table::toText(result.scores));
   write("scores.md", table::toMarkdown(result.scores));
@@ -127,9 +128,9 @@ void writeTables(const ExplorationReport& result, const table::Table& statistics
 }
 
 /// A single run has already left a manifest there: the same one, with more in it.
-void writeManifest(core::Manifest manifest, const ExplorationReport& result, bool has_curves, bool has_oracle,
-                   const std::string& folder) {
-  if (fs::exists(folder + "/manifest.json")) manifest = core::readManifest(folder + "/manifest.json");
+void writeManifest(resources::Manifest manifest, const ExplorationReport& result, bool has_curves,
+                   bool has_oracle, const std::string& folder) {
+  if (fs::exists(folder + "/manifest.json")) manifest = resources::readManifest(folder + "/manifest.json");
   manifest.files["scores.txt"] = "the table; also .md and .tex, and .csv and .json with quartiles";
   manifest.files["runs.csv"] = "every figure of every run";
   if (has_curves)
@@ -140,7 +141,7 @@ void writeManifest(core::Manifest manifest, const ExplorationReport& result, boo
   manifest.files["cost.csv"] = "CPU time of the decisions; also .json";
   manifest.results.emplace("status", "complete");  // a single run that failed has said so
   manifest.results["failed_runs"] = std::to_string(result.failed);
-  core::writeManifest(manifest, folder + "/manifest.json");
+  resources::writeManifest(manifest, folder + "/manifest.json");
 }
 
 }  // namespace
@@ -149,9 +150,9 @@ const std::string& strategyNameOf(const ExploreConfig& config) {
   return config.own ? config.own->name : config.record.strategy.name;
 }
 
-const core::ParameterTable<ExplorationOptions>& ExplorationOptions::table() {
+const files::ParameterTable<ExplorationOptions>& ExplorationOptions::table() {
   using O = ExplorationOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "exploration",
       {{"stuck_s", &O::stuck_s, 60.0, 0.0, 1e7,
         "end after so long without new area and without a new place 1 m away, waits for people apart; 0 = "
@@ -166,10 +167,10 @@ ExplorationOptions::ExplorationOptions() {
   table().setDefaults(*this);
 }
 
-ExploreConfig readExploreConfig(const core::IniFile& ini) {
+ExploreConfig readExploreConfig(const files::IniFile& ini) {
   ExploreConfig config;
   config.record = record::readRecordConfig(ini, {ExplorationOptions::table().section()});
-  core::readParameters(ini, ExplorationOptions::table(), config.exploration, &config.record.parameters);
+  files::readParameters(ini, ExplorationOptions::table(), config.exploration, &config.record.parameters);
   return config;
 }
 
@@ -208,14 +209,15 @@ std::string endName(ExplorationEnd end) {
   throw core::ContractError("endName: no such end");
 }
 
-ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest, core::Progress& progress) {
+ExplorationReport explore(const ExploreRequest& request, resources::Manifest manifest,
+                          core::Progress& progress) {
   checkRequest(request);
   const auto method = loadMethod(request.slam, request.methods_folder);
   const auto plan = world::loadPlan(request.plan_path);
-  core::PendingFolder output(request.output, request.overwrite);
+  files::PendingFolder output(request.output, request.overwrite);
   const std::string folder = output.path();
   manifest.seed = request.seed;
-  manifest.inputs[request.plan_path] = core::fileSha256(request.plan_path);
+  manifest.inputs[request.plan_path] = resources::fileSha256(request.plan_path);
 
   auto jobs = makeJobs(request, folder);
   const auto oracles = askForAll(request, plan, jobs, progress);
@@ -244,7 +246,7 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
     writeOracle(*first, record::planOfVisit(plan, living, request.seed), folder);
   }
   drawCoverage(jobs, first, caption, folder + "/coverage.png");
-  if (request.tables_only) core::writeFileAtomically(folder + "/curves.csv", curvesCsv(jobs));
+  if (request.tables_only) files::writeFileAtomically(folder + "/curves.csv", curvesCsv(jobs));
   writeManifest(std::move(manifest), result, request.tables_only, first != nullptr, folder);
   output.commit();
   return result;

@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
-#include "libslam/core/parameters.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 #include "libslam/metrics/coverage.h"
 #include "libslam/record/record.h"
 #include "libslam/record/step_observer.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/table/table.h"
 
@@ -26,14 +26,14 @@ struct ExplorationOptions {
   double give_up_s;      ///< end after so long without new area; 0 = never
   bool return_to_start;  ///< after finishing drive back through the map that it made
   ExplorationOptions();
-  static const core::ParameterTable<ExplorationOptions>& table();
+  static const files::ParameterTable<ExplorationOptions>& table();
 };
 
 /// A strategy that is not one of the library's: its name in tables and folders, and what makes it, as
-/// navigate::makeStrategy() does.
+/// strategies::makeStrategy() does.
 struct OwnStrategy {
   std::string name;
-  std::function<std::unique_ptr<navigate::Strategy>(const navigate::StrategyOptions&, core::RandomStream)>
+  std::function<std::unique_ptr<strategies::Strategy>(const strategies::StrategyOptions&, core::RandomStream)>
       make;
 };
 
@@ -45,7 +45,7 @@ struct ExploreConfig {
 /// The name in tables and folders.
 const std::string& strategyNameOf(const ExploreConfig& config);
 /// Reads the sections of readRecordConfig() and [exploration]; strict. record.parameters has them all.
-ExploreConfig readExploreConfig(const core::IniFile& config);
+ExploreConfig readExploreConfig(const files::IniFile& config);
 
 /// The name that takes the place of a SLAM method for the reference: the pose is the true one and the map is
 /// drawn from there by the exact grid. What a strategy can do when nothing goes wrong with the estimate; in
@@ -135,6 +135,7 @@ struct ExplorationReport {
 /// The row of a run whose method failed: every figure NaN.
 Exploration failedExploration(const ExploreConfig& config, const std::string& slam, std::uint64_t seed,
                               const std::string& why);
-ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest, core::Progress& progress);
+ExplorationReport explore(const ExploreRequest& request, resources::Manifest manifest,
+                          core::Progress& progress);
 
 }  // namespace slam::explore

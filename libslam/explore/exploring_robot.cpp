@@ -41,7 +41,7 @@ std::unique_ptr<navigate::Driver> ExploringRobot::makeDriver() const {
   const auto& record = config_.record;
   const core::RandomStream random(seed_, "strategy");
   auto strategy = config_.own ? config_.own->make(record.strategy, random)
-                              : navigate::makeStrategy(record.strategy, random);
+                              : strategies::makeStrategy(record.strategy, random);
   return std::make_unique<navigate::Driver>(std::move(strategy), record.strategy, record.robot, period_s(),
                                             core::RandomStream(seed_, "driver"));
 }
@@ -79,7 +79,7 @@ void ExploringRobot::locate() {
   curve_.push_back({elapsed_s(), path_.length_m(), truth_.size(), coverage_.area_m2()});
   near_misses_.look(T_world_robot);
   saw_something_ = saw_something_ || std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(),
-                                                 [](float range) { return robot::isReturn(range); });
+                                                 [](float range) { return lidar::isReturn(range); });
 }
 
 robot::Command ExploringRobot::decide(const gridmap::OccupancyRaster* map) {
@@ -127,15 +127,15 @@ void ExploringRobot::carryOut(const robot::Command& command) {
   look(command);
 }
 
-void ExploringRobot::leaveOut(const std::vector<sim::Disc>& discs_robot) {
+void ExploringRobot::leaveOut(const std::vector<movers::Disc>& discs_robot) {
   auto& scan = sensed_.scan;
   if (discs_robot.empty()) return;
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
-    if (!robot::isReturn(scan.ranges_m[beam])) continue;
+    if (!lidar::isReturn(scan.ranges_m[beam])) continue;
     const core::Point2 p_robot =
         scan.T_robot_lidar * core::polar(static_cast<double>(scan.ranges_m[beam]), scan.angle(beam));
     for (const auto& disc : discs_robot)
-      if (core::distance(disc.p, p_robot) < disc.radius_m) scan.ranges_m[beam] = robot::kLostReading;
+      if (core::distance(disc.p, p_robot) < disc.radius_m) scan.ranges_m[beam] = lidar::kLostReading;
   }
 }
 
@@ -147,10 +147,10 @@ void ExploringRobot::end(ExplorationEnd end) {
 }
 
 void ExploringRobot::fail(const core::MethodError& error) {
-  stop_ = {run::Stop::Reason::kFailed, static_cast<int>(estimate_.size()),
+  stop_ = {results::Stop::Reason::kFailed, static_cast<int>(estimate_.size()),
            simulator_.time_s() - start_time_s_, error.what()};
   end_ = ExplorationEnd::kFailed;
-  end_detail_ = run::stopText(*stop_);
+  end_detail_ = results::stopText(*stop_);
 }
 
 }  // namespace slam::explore

@@ -12,7 +12,7 @@
 #include "libslam/explore/loop_localiser.h"
 #include "libslam/navigate/driver.h"
 #include "libslam/record/recorder.h"
-#include "libslam/run/stopped_run.h"
+#include "libslam/results/stopped_run.h"
 
 namespace slam::explore {
 
@@ -50,7 +50,7 @@ class ExploringRobot {
   void look(const robot::Command& command);
   /// Beams that end on these discs (robot frame) count as lost from now on: other robots are no part of the
   /// map. What is recorded keeps them.
-  void leaveOut(const std::vector<sim::Disc>& discs_robot);
+  void leaveOut(const std::vector<movers::Disc>& discs_robot);
 
   /// From now on it drives back to its start.
   void startReturn();
@@ -62,7 +62,7 @@ class ExploringRobot {
   bool hasLocated() const { return !estimate_.empty(); }
 
   LoopResult result() const;
-  void writeFiles(LoopResult& result, core::Manifest manifest);
+  void writeFiles(LoopResult& result, resources::Manifest manifest);
 
   double elapsed_s() const;  ///< since the first scan
   double period_s() const { return 1 / config_.record.lidar.rate_hz; }
@@ -86,7 +86,7 @@ class ExploringRobot {
   table::Table explorationTable() const;
   bool writeMap(const Exploration& e);
   void drawPath(const Exploration& e) const;
-  void describeResults(const Exploration& e, bool has_map, core::Manifest& manifest) const;
+  void describeResults(const Exploration& e, bool has_map, resources::Manifest& manifest) const;
   void score(Exploration& e) const;
 
   const world::Plan& plan_;
@@ -106,7 +106,7 @@ class ExploringRobot {
 
   sim::Sensed sensed_;
   core::Pose2 T_map_robot_;
-  std::optional<robot::Scan> first_scan_, last_scan_;
+  std::optional<lidar::Scan> first_scan_, last_scan_;
   core::Trajectory truth_, estimate_;
   std::vector<metrics::CoveragePoint> curve_;
   std::vector<core::Point2> goals_;  ///< after every scan, map frame; none for the last when it ended there
@@ -118,7 +118,7 @@ class ExploringRobot {
   std::string end_detail_;
   std::size_t explored_scans_ = 0;  ///< what follows is the way back
   double start_time_s_ = 0;
-  std::optional<run::Stop> stop_;
+  std::optional<results::Stop> stop_;
 };
 
 }  // namespace slam::explore

@@ -1,16 +1,16 @@
 #include <cmath>
 #include <limits>
 
-#include "libslam/core/files.h"
 #include "libslam/explore/exploring_robot.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/pictures/picture.h"
-#include "libslam/record/carry_file.h"
+#include "libslam/results/manifest_entries.h"
+#include "libslam/results/map_plan.h"
+#include "libslam/results/scene_file.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
-#include "libslam/run/manifest_entries.h"
-#include "libslam/run/map_plan.h"
-#include "libslam/run/scene_file.h"
+#include "libslam/truth/carry_file.h"
 
 namespace slam::explore {
 namespace {
@@ -39,11 +39,11 @@ bool opensToTheEdge(const metrics::ExplorableArea& area) {
 /// Map and path at the end.
 void ExploringRobot::score(Exploration& e) const {
   const auto raster = localiser_.map();
-  run::RunFolder run;
+  results::RunFolder run;
   run.method = method_.name;
   run.estimate = estimate_;
-  run.map = run::toPlan(raster);
-  run.manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(raster.occupancy));
+  run.map = results::toPlan(raster);
+  run.manifest.results["map_mean_entropy_bits"] = files::formatNumber(metrics::mapEntropy(raster.occupancy));
   score::Truth truth;
   truth.trajectory = truth_;
   truth.plan = plan_;
@@ -79,7 +79,7 @@ LoopResult ExploringRobot::result() const {
   result.plan_is_open = opensToTheEdge(area);
   result.saw_nothing = !saw_something_;
   for (const auto& carry : simulator_.carries())
-    result.carries.push_back(record::carryText(carry, sim::Simulator::kStartTime_s));
+    result.carries.push_back(truth::carryText(carry, sim::Simulator::kStartTime_s));
   if (simulator_.waitingCarries() > 0)
     result.carries.push_back(std::to_string(simulator_.waitingCarries()) +
                              " of the carries came after the end");
@@ -114,10 +114,10 @@ bool ExploringRobot::writeMap(const Exploration& e) {
     return false;
   }
   mapping::saveMaps(localiser_.builder(), folder_);
-  run::writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
+  results::writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
   if (e.end != ExplorationEnd::kFailed && core::isFinite(e.evaluation.trajectory.T_truth_estimate))
-    run::addTruthToScene(truth_, &plan_, core::inverse(e.evaluation.trajectory.T_truth_estimate),
-                         folder_ + "/map.3Dscene");
+    results::addTruthToScene(truth_, &plan_, core::inverse(e.evaluation.trajectory.T_truth_estimate),
+                             folder_ + "/map.3Dscene");
   return true;
 }
 
@@ -131,24 +131,25 @@ void ExploringRobot::drawPath(const Exploration& e) const {
                                            : e.evaluation.trajectory.T_truth_estimate;
   for (auto& stamped : believed) stamped.pose = T_truth_estimate * stamped.pose;
   pictures::drawPlan(plan_,
-                     {{record::brokenAtCarries(truth_, simulator_.carries()), "true path", true},
+                     {{truth::brokenAtCarries(truth_, simulator_.carries()), "true path", true},
                       {believed, "path as " + method_.name + " has it"}},
                      plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
 }
 
-void ExploringRobot::describeResults(const Exploration& e, bool has_map, core::Manifest& manifest) const {
+void ExploringRobot::describeResults(const Exploration& e, bool has_map,
+                                     resources::Manifest& manifest) const {
   auto& results = manifest.results;
-  run::describeLidar(*first_scan_, results);
+  results::describeLidar(*first_scan_, results);
   run::describeSensors(localiser_.builder(), lidarsOf(config_.record), results);
-  const auto number = [](double value) { return core::formatNumber(value); };
+  const auto number = [](double value) { return files::formatNumber(value); };
   results["method"] = method_.name;
   results["strategy"] = e.strategy;
   results["end"] = endName(e.end);
   if (e.end == ExplorationEnd::kFailed) {
     results["status"] = "incomplete";
     results["failed"] = e.end_detail;
-    const std::vector<core::JournalLine> journal = {run::stopLine(*stop_, estimate_.back().pose)};
-    core::writeFileAtomically(folder_ + "/journal.csv", run::journalCsv(journal));
+    const std::vector<core::JournalLine> journal = {results::stopLine(*stop_, estimate_.back().pose)};
+    files::writeFileAtomically(folder_ + "/journal.csv", results::journalCsv(journal));
     manifest.files["journal.csv"] = "what failed, where";
   }
   results["end_detail"] = e.end_detail;
@@ -164,13 +165,13 @@ void ExploringRobot::describeResults(const Exploration& e, bool has_map, core::M
   }
 }
 
-void ExploringRobot::writeFiles(LoopResult& result, core::Manifest manifest) {
+void ExploringRobot::writeFiles(LoopResult& result, resources::Manifest manifest) {
   const auto& e = result.exploration;
   recorder_->finish(simulator_, seed_, manifest);
   logs::writeTum(estimate_, folder_ + "/trajectory.tum");
   const bool has_map = writeMap(e);
-  core::writeFileAtomically(folder_ + "/exploration.csv", table::toCsv(explorationTable()));
-  core::writeFileAtomically(folder_ + "/decisions.csv", table::toCsv(decisionTable(decisions_)));
+  files::writeFileAtomically(folder_ + "/exploration.csv", table::toCsv(explorationTable()));
+  files::writeFileAtomically(folder_ + "/decisions.csv", table::toCsv(decisionTable(decisions_)));
   drawPath(e);
 
   manifest.seed = seed_;
@@ -185,7 +186,7 @@ void ExploringRobot::writeFiles(LoopResult& result, core::Manifest manifest) {
   manifest.files["decisions.csv"] = "every decision: time, pose, goal, score, reason";
   manifest.files["path.png"] = "true path and places of the decisions on the plan";
   describeResults(e, has_map, manifest);
-  core::writeManifest(manifest, folder_ + "/manifest.json");
+  resources::writeManifest(manifest, folder_ + "/manifest.json");
 }
 
 }  // namespace slam::explore

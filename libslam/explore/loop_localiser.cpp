@@ -3,11 +3,11 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/ini_yaml.h"
 #include "libslam/mapping/method_config.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/results/stopped_run.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
-#include "libslam/run/stopped_run.h"
 
 namespace slam::explore {
 
@@ -17,7 +17,7 @@ LoopMethod loadMethod(const std::string& slam, const std::string& methods_folder
   // The method that believes its wheels, for perfect wheels.
   const std::string name = method.is_reference ? "naive_wheel" : slam;
   method.config = mapping::loadMethodConfig(methods_folder, name);
-  method.name = core::isConfigFile(name) ? std::filesystem::path(name).stem().string() : name;
+  method.name = resources::isConfigFile(name) ? std::filesystem::path(name).stem().string() : name;
   if (method.is_reference) method.name = kTruthReference;
   mapping::readMethodConfig(method.config);  // a bad key must not show in every run
   return method;
@@ -29,7 +29,7 @@ core::Pose2 Localiser::update(const sim::Sensed& sensed, const core::Pose2& T_wo
   last_truth_ = T_world_robot;
   core::Pose2 T_map_robot;
   run::tellSensors(builder_, sensed);
-  run::insideMethod(
+  results::insideMethod(
       [&] { T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true, commanded_); });
   if (!core::isFinite(T_map_robot)) throw core::MethodError(name_ + " diverged: its pose is not finite");
   return T_map_robot;
@@ -37,7 +37,7 @@ core::Pose2 Localiser::update(const sim::Sensed& sensed, const core::Pose2& T_wo
 
 gridmap::OccupancyRaster Localiser::map() const {
   gridmap::OccupancyRaster map;
-  run::insideMethod([&] { map = mapping::currentMap(builder_); });
+  results::insideMethod([&] { map = mapping::currentMap(builder_); });
   return map;
 }
 

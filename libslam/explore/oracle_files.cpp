@@ -5,7 +5,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/pictures/picture.h"
 #include "libslam/table/table.h"
 
@@ -29,10 +29,10 @@ oracle::Oracle askOracle(const world::Plan& plan, const ExploreConfig& config, c
   oracle::TourRequest request;
   request.start_world = core::position(record::startPose(plan, record));
   request.radius_m = robot::circumscribedRadius(record.robot);
-  const auto mounting = robot::trueMountingPose(record.lidar);
+  const auto mounting = lidar::trueMountingPose(record.lidar);
   request.lidar_offset_m = core::hypot(mounting.x, mounting.y);
   request.max_range_m = record.lidar.max_range_m;
-  request.beam_step_rad = robot::beamStep(record.lidar);
+  request.beam_step_rad = lidar::beamStep(record.lidar);
   const auto area = metrics::explorableArea(plan, request.start_world, request.radius_m, request.max_range_m);
   return oracle::consultOracle(plan, area, request, [&] { progress.update(-1, 0); });
 }
@@ -65,8 +65,8 @@ void writeOracle(const oracle::Oracle& oracle, const world::Plan& plan, const st
       table.rows.push_back({100 * tour->share, point.path_m, point.share});
     for (const auto& p : tour->path) places.rows.push_back({100 * tour->share, p.x, p.y});
   }
-  core::writeFileAtomically(folder + "/oracle.csv", table::toCsv(table));
-  core::writeFileAtomically(folder + "/oracle_path.csv", table::toCsv(places));
+  files::writeFileAtomically(folder + "/oracle.csv", table::toCsv(table));
+  files::writeFileAtomically(folder + "/oracle_path.csv", table::toCsv(places));
   std::vector<pictures::DrawnPath> paths;
   for (const auto* tour : {&oracle.to_99, &oracle.to_90}) {
     char label[80];

@@ -14,7 +14,7 @@ GoalStep Bug1::step(const robot::Command& command, GoalStatus status) const {
           status == GoalStatus::kMoving ? kNames[static_cast<int>(state_)] : statusName(status), reason_};
 }
 
-GoalStep Bug1::plan(const robot::Scan& /*scan*/, const core::Pose2& T_odom_robot) {
+GoalStep Bug1::plan(const lidar::Scan& /*scan*/, const core::Pose2& T_odom_robot) {
   switch (state_) {
     case State::kToGoal:
       return toGoal(T_odom_robot);

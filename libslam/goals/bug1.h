@@ -17,7 +17,7 @@ class Bug1 : public GuardedNavigator {
 
  private:
   enum class State { kToGoal, kRound, kToLeavePoint };
-  GoalStep plan(const robot::Scan& scan, const core::Pose2& T_odom_robot) override;
+  GoalStep plan(const lidar::Scan& scan, const core::Pose2& T_odom_robot) override;
   GoalStep toGoal(const core::Pose2& T_odom_robot);
   GoalStep goRound(const core::Pose2& T_odom_robot);
   GoalStep toLeavePoint(const core::Pose2& T_odom_robot);

@@ -28,7 +28,7 @@ double Bug2::offLine(const core::Pose2& T_odom_robot) const {
   return (dx * (T_odom_robot.y - T_odom_start_->y) - dy * (T_odom_robot.x - T_odom_start_->x)) / length_m;
 }
 
-GoalStep Bug2::plan(const robot::Scan& /*scan*/, const core::Pose2& T_odom_robot) {
+GoalStep Bug2::plan(const lidar::Scan& /*scan*/, const core::Pose2& T_odom_robot) {
   if (!T_odom_start_) T_odom_start_ = T_odom_robot;
   return following_ ? follow(T_odom_robot) : toGoal(T_odom_robot);
 }

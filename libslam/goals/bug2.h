@@ -17,7 +17,7 @@ class Bug2 : public GuardedNavigator {
   Bug2(const NavigateOptions& options, const GoalTask& task);
 
  private:
-  GoalStep plan(const robot::Scan& scan, const core::Pose2& T_odom_robot) override;
+  GoalStep plan(const lidar::Scan& scan, const core::Pose2& T_odom_robot) override;
   GoalStep toGoal(const core::Pose2& T_odom_robot);
   GoalStep follow(const core::Pose2& T_odom_robot);
   GoalStep step(const robot::Command& command, GoalStatus status = GoalStatus::kMoving) const;

@@ -7,7 +7,7 @@
 #include "libslam/goals/bug2.h"
 #include "libslam/goals/lidar_bug.h"
 #include "libslam/goals/tangent_bug.h"
-#include "libslam/paths/obstacle_memory.h"
+#include "libslam/safety/obstacle_memory.h"
 
 namespace slam::goals {
 namespace {
@@ -39,9 +39,9 @@ const char* statusName(GoalStatus status) {
   return kNames[static_cast<int>(status)];
 }
 
-const core::ParameterTable<NavigateOptions>& NavigateOptions::table() {
+const files::ParameterTable<NavigateOptions>& NavigateOptions::table() {
   using O = NavigateOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "navigate",
       {{"goal_tolerance_m", &O::goal_tolerance_m, 0.1, 0.01, 10.0, "nearer to the goal counts as there"},
        {"clearance_m", &O::clearance_m, 0.05, 0.0, 1.0,
@@ -52,7 +52,7 @@ const core::ParameterTable<NavigateOptions>& NavigateOptions::table() {
        {"turn", &O::turn, "left", {"left", "right"}, "at an obstacle; bug1 and bug2"},
        {"sensor_range_m", &O::sensor_range_m, 0.0, 0.0, 1e4,
         "how far tangent believes the lidar; 0 is the lidar's own range"},
-       {"memory", &O::memory, "short", paths::obstacleMemoryNames(),
+       {"memory", &O::memory, "short", safety::obstacleMemoryNames(),
         "of obstacles that the newest scan does not show: none, within 1.5 m, or the local map of "
         "[obstacles]"},
        {"unseen",
@@ -67,9 +67,9 @@ NavigateOptions::NavigateOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<LidarBugOptions>& LidarBugOptions::table() {
+const files::ParameterTable<LidarBugOptions>& LidarBugOptions::table() {
   using O = LidarBugOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "lidar_bug",
       {{"stop_radius_m", &O::stop_radius_m, 0.22, 0.0, 10.0,
         "a reading below is a bump; at least what the robot's circle needs"},

@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/parameters.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
 
 namespace slam::goals {
 
@@ -50,7 +50,7 @@ class GoalNavigator {
   virtual ~GoalNavigator() = default;
   /// `collided`: the bumper cut the last command short. Things that the lidar does not show are remembered
   /// where they were felt.
-  virtual GoalStep next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided) = 0;
+  virtual GoalStep next(const lidar::Scan& scan, const core::Pose2& T_odom_robot, bool collided) = 0;
 };
 
 /// Section [lidar_bug]: the figures of the original state machine that its description gives, and those
@@ -62,7 +62,7 @@ struct LidarBugOptions {
   int bumps_in_a_row;
   std::string wall_end;
   LidarBugOptions();
-  static const core::ParameterTable<LidarBugOptions>& table();
+  static const files::ParameterTable<LidarBugOptions>& table();
 };
 
 /// Section [navigate].
@@ -75,7 +75,7 @@ struct NavigateOptions {
   LidarBugOptions lidar_bug;
   obstacles::LocalObstacleOptions obstacles;  ///< the zone of memory = local_map and unseen = looked_at
   NavigateOptions();
-  static const core::ParameterTable<NavigateOptions>& table();
+  static const files::ParameterTable<NavigateOptions>& table();
 };
 
 /// Where to, with what.

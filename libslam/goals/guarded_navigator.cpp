@@ -12,9 +12,9 @@ constexpr double kMostBlind_s = 5, kMostStill_s = 60;
 constexpr double kSpot_m = 0.05;
 constexpr double kNearGoal_m = 0.6;
 
-bool seesNothing(const robot::Scan& scan) {
+bool seesNothing(const lidar::Scan& scan) {
   return std::none_of(scan.ranges_m.begin(), scan.ranges_m.end(),
-                      [](float range_m) { return robot::isReturn(range_m) || range_m == robot::kNoReturn; });
+                      [](float range_m) { return lidar::isReturn(range_m) || range_m == lidar::kNoReturn; });
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ bool GuardedNavigator::standsStill(const core::Pose2& T_odom_robot) {
   return still_s_ > kMostStill_s;
 }
 
-GoalStep GuardedNavigator::next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided) {
+GoalStep GuardedNavigator::next(const lidar::Scan& scan, const core::Pose2& T_odom_robot, bool collided) {
   if (last_.status != GoalStatus::kMoving) {
     last_.changes.clear();
     return last_;
@@ -87,10 +87,10 @@ GoalStep GuardedNavigator::next(const robot::Scan& scan, const core::Pose2& T_od
   if (collided) surroundings_.feel(T_odom_robot, last_speed_mps_ >= 0);
   if (goalDistance(T_odom_robot) <= options_.goal_tolerance_m)
     return end(GoalStatus::kReached,
-               "the goal is " + core::formatNumber(options_.goal_tolerance_m) + " m away or nearer");
+               "the goal is " + files::formatNumber(options_.goal_tolerance_m) + " m away or nearer");
   if (elapsed_s_ > options_.time_limit_s)
     return end(GoalStatus::kGaveUp,
-               "time limit of " + core::formatNumber(options_.time_limit_s) + " s of the robot's time");
+               "time limit of " + files::formatNumber(options_.time_limit_s) + " s of the robot's time");
   blind_s_ = seesNothing(scan) ? blind_s_ + task_.period_s : 0;
   if (blind_s_ > kMostBlind_s) return end(GoalStatus::kGaveUp, "no valid reading for 5 s");
   if (standsStill(T_odom_robot)) return end(GoalStatus::kGaveUp, "no way from this spot for a minute");

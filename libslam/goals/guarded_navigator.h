@@ -13,10 +13,10 @@ namespace slam::goals {
 class GuardedNavigator : public GoalNavigator {
  public:
   GuardedNavigator(const NavigateOptions& options, const GoalTask& task);
-  GoalStep next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided) final;
+  GoalStep next(const lidar::Scan& scan, const core::Pose2& T_odom_robot, bool collided) final;
 
  protected:
-  virtual GoalStep plan(const robot::Scan& scan, const core::Pose2& T_odom_robot) = 0;
+  virtual GoalStep plan(const lidar::Scan& scan, const core::Pose2& T_odom_robot) = 0;
   /// The end has come before the method noticed: its state's name for it.
   virtual std::string endState(GoalStatus status) const { return statusName(status); }
 

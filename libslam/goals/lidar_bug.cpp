@@ -39,7 +39,7 @@ double lidarBugStopRadius(const LidarBugOptions& options, double guard_m) {
   return std::max(options.stop_radius_m, guard_m + kStopMargin_m);
 }
 
-void LidarBug::look(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
+void LidarBug::look(const lidar::Scan& scan, const core::Pose2& T_odom_robot) {
   const double invalid_m = options_.lidar_bug.invalid_below_m;
   const auto directions = strategicDirections();
   std::array<double, 5> aside_rad;
@@ -48,8 +48,8 @@ void LidarBug::look(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
   bump_range_m_ = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const float range_m = scan.ranges_m[i];
-    const bool is_return = robot::isReturn(range_m) && range_m >= invalid_m;
-    if (!is_return && range_m != robot::kNoReturn) continue;
+    const bool is_return = lidar::isReturn(range_m) && range_m >= invalid_m;
+    if (!is_return && range_m != lidar::kNoReturn) continue;
     const double beam_rad = scan.angle(i);
     core::Point2 p_robot = core::polar(range_m, beam_rad);
     if (is_return) p_robot = scan.T_robot_lidar * p_robot;
@@ -164,8 +164,8 @@ bool LidarBug::decideDriving(const core::Pose2& T_odom_robot) {
     bump_in_front_ = std::abs(core::wrapToPi(bump_bearing_rad_)) <= kInFront_rad;
     const bool many = bumps_in_a_row_ >= o.bumps_in_a_row;
     fire(many ? Event::kManyBumps : Event::kBump, T_odom_robot,
-         core::formatNumber(std::round(100 * bump_range_m_) / 100) + " m at " +
-             core::formatNumber(std::round(core::radToDeg(bump_bearing_rad_))) + " deg, " +
+         files::formatNumber(std::round(100 * bump_range_m_) / 100) + " m at " +
+             files::formatNumber(std::round(core::radToDeg(bump_bearing_rad_))) + " deg, " +
              (bump_in_front_ ? "in front" : "behind"));
     if (many) bumps_in_a_row_ = 0;
     return true;
@@ -248,7 +248,7 @@ bool LidarBug::decide(const core::Pose2& T_odom_robot) {
   }
 }
 
-GoalStep LidarBug::plan(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
+GoalStep LidarBug::plan(const lidar::Scan& scan, const core::Pose2& T_odom_robot) {
   look(scan, T_odom_robot);
   changes_.clear();
   turned_rad_ += core::angleDifference(T_odom_robot.phi, last_heading_rad_);

@@ -93,10 +93,10 @@ class LidarBug : public GuardedNavigator {
   LidarBug(const NavigateOptions& options, const GoalTask& task);
 
  private:
-  GoalStep plan(const robot::Scan& scan, const core::Pose2& T_odom_robot) override;
+  GoalStep plan(const lidar::Scan& scan, const core::Pose2& T_odom_robot) override;
   std::string endState(GoalStatus status) const override;
 
-  void look(const robot::Scan& scan, const core::Pose2& T_odom_robot);
+  void look(const lidar::Scan& scan, const core::Pose2& T_odom_robot);
   void recall(const std::array<double, 5>& aside_rad);
   void fire(LidarBugEvent event, const core::Pose2& T_odom_robot, const std::string& detail);
   /// One look at the present state: true when it was left.

@@ -18,8 +18,8 @@ LookFirst::LookFirst(const robot::RobotOptions& robot, double period_s,
                      const obstacles::LocalObstacleOptions& zone)
     : robot_(robot), period_s_(period_s), body_m_(robot::circumscribedRadius(robot)), floor_(zone) {}
 
-void LookFirst::update(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
-  robot::Scan from_sensor = scan;
+void LookFirst::update(const lidar::Scan& scan, const core::Pose2& T_odom_robot) {
+  lidar::Scan from_sensor = scan;
   from_sensor.min_range_m = 0;
   obstacles::SectorOptions all;
   all.width_rad = 2 * core::kPi, all.reach_m = 0, all.depth_margin_m = 0;

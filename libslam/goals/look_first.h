@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/obstacles/seen_floor.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
 
 namespace slam::goals {
 
@@ -24,7 +24,7 @@ class LookFirst {
   LookFirst(const robot::RobotOptions& robot, double period_s, const obstacles::LocalObstacleOptions& zone);
 
   /// The newest scan, taken at T_odom_robot (in any frame that stays put; finite).
-  void update(const robot::Scan& scan, const core::Pose2& T_odom_robot);
+  void update(const lidar::Scan& scan, const core::Pose2& T_odom_robot);
   /// While it turns to look: the command for this period. Nothing else is to be done then.
   std::optional<robot::Command> looking() const;
   /// The turn to be made in place of a command that leads over unseen floor; looking() goes on with it.

@@ -23,12 +23,12 @@ Surroundings::Surroundings(const robot::RobotOptions& robot, double clearance_m,
       clearance_m_(clearance_m),
       period_s_(period_s),
       guard_m_(robot::circumscribedRadius(robot) + kGuardMargin_m),
-      memory_(paths::makeObstacleMemory(memory, zone)) {}
+      memory_(safety::makeObstacleMemory(memory, zone)) {}
 
-void Surroundings::update(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
+void Surroundings::update(const lidar::Scan& scan, const core::Pose2& T_odom_robot) {
   guard_m_ = robot::circumscribedRadius(robot_) + kGuardMargin_m + scan.range_sigma_m;
   memory_->update(scan, T_odom_robot);
-  points_ = robot::scanPoints(scan);
+  points_ = lidar::scanPoints(scan);
   for (const auto& p_robot : memory_->points()) points_.push_back(p_robot);
   const core::Pose2 T_robot_odom = core::inverse(T_odom_robot);
   for (const auto& p_odom : felt_odom_) points_.push_back(T_robot_odom * p_odom);

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/paths/obstacle_memory.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
+#include "libslam/safety/obstacle_memory.h"
 
 namespace slam::goals {
 
@@ -26,7 +26,7 @@ class Surroundings {
   Surroundings(const robot::RobotOptions& robot, double clearance_m, double period_s,
                const std::string& memory = "short", const obstacles::LocalObstacleOptions& zone = {});
 
-  void update(const robot::Scan& scan, const core::Pose2& T_odom_robot);
+  void update(const lidar::Scan& scan, const core::Pose2& T_odom_robot);
   /// Further obstacles, robot frame, until the next update().
   void add(const std::vector<core::Point2>& p_robot);
   /// The bumper met something on the side to which the last command drove.
@@ -63,7 +63,7 @@ class Surroundings {
 
   robot::RobotOptions robot_;
   double clearance_m_, period_s_, guard_m_;
-  std::unique_ptr<paths::ObstacleMemory> memory_;
+  std::unique_ptr<safety::ObstacleMemory> memory_;
   std::vector<core::Point2> points_;  ///< robot frame
   std::vector<core::Point2> felt_odom_;
 };

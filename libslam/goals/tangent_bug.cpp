@@ -38,7 +38,7 @@ GoalStep TangentBug::step(const robot::Command& command, GoalStatus status) cons
           status == GoalStatus::kMoving ? kNames[static_cast<int>(state_)] : statusName(status), reason_};
 }
 
-bool TangentBug::isSeen(const robot::Scan& scan, double direction_rad) const {
+bool TangentBug::isSeen(const lidar::Scan& scan, double direction_rad) const {
   if (scan.isFullCircle()) return true;
   const double last_rad = scan.angle(scan.ranges_m.size() - 1);
   const double middle_rad = scan.T_robot_lidar.phi + 0.5 * (scan.first_angle_rad + last_rad);
@@ -46,7 +46,7 @@ bool TangentBug::isSeen(const robot::Scan& scan, double direction_rad) const {
          0.5 * (last_rad - scan.first_angle_rad) + 0.5 * scan.step_rad;
 }
 
-void TangentBug::look(const robot::Scan& scan) {
+void TangentBug::look(const lidar::Scan& scan) {
   const double sensor_m =
       options_.sensor_range_m > 0 ? std::min(options_.sensor_range_m, scan.max_range_m) : scan.max_range_m;
   // At the end of the range half of the disc would stand where the lidar does not see.
@@ -111,7 +111,7 @@ std::optional<core::Point2> TangentBug::chooseNode(const std::vector<Node>& all,
   return best;
 }
 
-GoalStep TangentBug::plan(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
+GoalStep TangentBug::plan(const lidar::Scan& scan, const core::Pose2& T_odom_robot) {
   switch (state_) {
     case State::kToGoal:
       return toGoal(scan, T_odom_robot);
@@ -127,7 +127,7 @@ GoalStep TangentBug::driveTo(const core::Point2& p_robot) const {
   return step(surroundings_.towards(core::atan2(p_robot.y, p_robot.x), core::hypot(p_robot.x, p_robot.y)));
 }
 
-GoalStep TangentBug::toGoal(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
+GoalStep TangentBug::toGoal(const lidar::Scan& scan, const core::Pose2& T_odom_robot) {
   look(scan);
   const double goal_rad = goalDirection(T_odom_robot), goal_m = goalDistance(T_odom_robot);
   const double free_m = freeToGoal(T_odom_robot);
@@ -178,7 +178,7 @@ std::optional<core::Point2> TangentBug::visiblePlaceNearerThan(double goal_m,
   return best;
 }
 
-GoalStep TangentBug::follow(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
+GoalStep TangentBug::follow(const lidar::Scan& scan, const core::Pose2& T_odom_robot) {
   look(scan);
   switch (follower_.update(surroundings_, T_odom_robot)) {
     case BoundaryFollower::Result::kBoxedIn:

@@ -31,20 +31,20 @@ class TangentBug : public GuardedNavigator {
     double goal_m, cost_m;  ///< d(O, goal) and d(x, O) + d(O, goal)
   };
 
-  GoalStep plan(const robot::Scan& scan, const core::Pose2& T_odom_robot) override;
-  GoalStep toGoal(const robot::Scan& scan, const core::Pose2& T_odom_robot);
-  GoalStep follow(const robot::Scan& scan, const core::Pose2& T_odom_robot);
+  GoalStep plan(const lidar::Scan& scan, const core::Pose2& T_odom_robot) override;
+  GoalStep toGoal(const lidar::Scan& scan, const core::Pose2& T_odom_robot);
+  GoalStep follow(const lidar::Scan& scan, const core::Pose2& T_odom_robot);
   GoalStep transition(const core::Pose2& T_odom_robot);
   GoalStep step(const robot::Command& command, GoalStatus status = GoalStatus::kMoving) const;
 
-  void look(const robot::Scan& scan);
+  void look(const lidar::Scan& scan);
   std::vector<Node> nodes(const core::Pose2& T_odom_robot) const;
   std::optional<core::Point2> visiblePlaceNearerThan(double goal_m, const core::Pose2& T_odom_robot) const;
   /// The node chosen before while it can be driven to, robot frame.
   std::optional<core::Point2> headingTo(const core::Pose2& T_odom_robot) const;
   GoalStep driveTo(const core::Point2& p_robot) const;
   std::optional<core::Point2> chooseNode(const std::vector<Node>& all, const core::Pose2& T_odom_robot) const;
-  bool isSeen(const robot::Scan& scan, double direction_rad) const;
+  bool isSeen(const lidar::Scan& scan, double direction_rad) const;
 
   State state_ = State::kToGoal;
   std::string reason_ = "start";

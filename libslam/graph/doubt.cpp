@@ -3,8 +3,8 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/matching.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 
 namespace slam::graph {
 namespace {
@@ -39,7 +39,8 @@ constexpr double kFoundBack_rad = 0.3;
 /// kShared of them; what is missing there counts, too. 0 without a scan before.
 double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T_previous_robot) const {
   if (before() == nullptr) return 0;
-  const View seen = view(before()->scan, before()->T_seen_robot * T_previous_robot, points);
+  const keyframes::View seen =
+      keyframes::view(before()->scan, before()->T_seen_robot * T_previous_robot, points);
   const double shared =
       std::max<double>(seen.agreed + seen.passed, kShared * static_cast<double>(points.size()));
   return shared > 0 ? 1 - seen.agreed / shared : 0;
@@ -47,17 +48,17 @@ double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T
 
 /// The motion since the scan before by which the two scans contradict each other least, and by how much: as
 /// odometry has it, as matched, or, where these do not fit, as the two scans alone have it.
-Break GraphSlam::breakBefore(const robot::Scan& scan, const std::vector<PatchPoint>& points,
-                             const Pose2& T_previous_robot, const Pose2& T_previous_matched,
-                             bool has_odometry) const {
+keyframes::Break GraphSlam::breakBefore(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
+                                        const Pose2& T_previous_robot, const Pose2& T_previous_matched,
+                                        bool has_odometry) const {
   if (before() == nullptr || points.empty()) return {T_previous_robot, std::nan("")};
-  Break best{T_previous_robot, 1};
+  keyframes::Break best{T_previous_robot, 1};
   const auto consider = [&](const Pose2& T) {
     const double conflict = brokenBy(points, T);
     if (conflict < best.contradicted) best = {T, conflict};
   };
   // What wheels cannot have missed is a break, however well the scans fit.
-  const Prediction odometry = predict(T_previous_robot, has_odometry);
+  const keyframes::Prediction odometry = predict(T_previous_robot, has_odometry);
   const auto isPossible = [&](const Pose2& T) {
     return core::distance(T, T_previous_robot) < kMissed * odometry.sigma_xy_m &&
            std::abs(core::angleDifference(T.phi, T_previous_robot.phi)) < kMissed * odometry.sigma_turn_rad;
@@ -69,25 +70,20 @@ Break GraphSlam::breakBefore(const robot::Scan& scan, const std::vector<PatchPoi
   return best;
 }
 
-/// Of what speaks of a scan's place, the share that speaks against it, when the map explains so much of the
-/// scan.
-double Told::against(double explained) const {
-  const double against = contradicted * telling;
-  return against + explained > 0 ? against / (against + explained) : 0;
-}
-
 /// What a scan says of whether the robot was kidnapped. A scan that the map explains does not contradict it,
 /// whatever beams went through where somebody stands now.
-void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+void GraphSlam::lookWhetherLost(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                                 const Step& step, const Pose2& increment, double broken) {
-  Told told;
+  keyframes::Told told;
   double explained = step.score;
   if (doubt_.begins < 0) {
-    told = map_->toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot, &scan);
+    told = map_->toldBy(keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers), points,
+                        step.T_map_robot, &scan);
   } else {
     told = trackBefore(scan, points, increment, explained);
     // People who walk about contradict what was seen a moment ago, too.
-    const auto own = map_->toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot, &scan);
+    const auto own = map_->toldBy(keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers), points,
+                                  step.T_map_robot, &scan);
     told.contradicted = std::max(told.contradicted - own.contradicted, 0.0);
   }
   LostDetector::Look look{};
@@ -103,13 +99,13 @@ void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<Patch
 
 /// While in doubt: where the robot is if it was not kidnapped, by the map from before, and what that says of
 /// the scan. Odometry leads, within its noise.
-Told GraphSlam::trackBefore(const robot::Scan& scan, const std::vector<PatchPoint>& points,
-                            const Pose2& increment, double& explained) {
-  const Prediction step = predict(increment, true);
+keyframes::Told GraphSlam::trackBefore(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
+                                       const Pose2& increment, double& explained) {
+  const keyframes::Prediction step = predict(increment, true);
   PosePrior prior;
   prior.mean = doubt_.T_map_robot * increment;
   prior.information = scanmatch::poseInformation(step.sigma_xy_m, step.sigma_turn_rad);
-  const auto matched = match(points, *doubt_.maps, prior.mean, prior, 0, true);
+  const auto matched = keyframes::match(points, *doubt_.maps, prior.mean, prior, 0, true);
   const auto as_matched =
       map_->toldBy(keyframesBeforeDoubt(matched.T_map_robot), points, matched.T_map_robot, &scan);
   const auto as_led = map_->toldBy(keyframesBeforeDoubt(prior.mean), points, prior.mean, &scan);
@@ -122,19 +118,19 @@ Told GraphSlam::trackBefore(const robot::Scan& scan, const std::vector<PatchPoin
 
 /// What a scan contradicts where the robot is not: turned on the spot, and matched again as a kidnapped robot
 /// would be.
-void GraphSlam::learnWrongPlace(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+void GraphSlam::learnWrongPlace(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                                 const Pose2& T_map_robot) {
   // Often in the beginning, seldom when much is known.
   ++wrong_places_;
   if (wrong_places_ > kLearntSoon && wrong_places_ % kLearntSoon != 0) return;
-  const auto viewers = firstOf(map_keyframes_, kAskedViewers);
+  const auto viewers = keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers);
   if (viewers.empty() || points.empty()) return;
   const double turn = 0.5 + std::fmod(wrong_places_ * kGoldenAngle_rad, 2 * core::kPi - 1);
   const Pose2 wrong{T_map_robot.x, T_map_robot.y, T_map_robot.phi + turn};
   scanmatch::PosePrior flat;
   flat.mean = wrong;
   flat.information.setIdentity();
-  const auto matched = match(points, maps_, wrong, flat, 0, true);
+  const auto matched = keyframes::match(points, maps_, wrong, flat, 0, true);
   if (std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kFoundBack_rad) return;
   lost_.learnWrong(map_->toldBy(viewers, points, matched.T_map_robot, &scan).against(matched.score));
 }
@@ -144,26 +140,26 @@ std::vector<int> GraphSlam::keyframesBeforeDoubt(const Pose2& T_map_robot) const
   std::vector<int> before;
   for (const int k : map_->keyframesWithin(core::position(T_map_robot), options_.map_radius_m)) {
     if (k < doubt_.begins && map_->componentOf(k) == map_->componentOf(doubt_.begins)) before.push_back(k);
-    if (static_cast<int>(before.size()) == kAskedViewers) break;
+    if (static_cast<int>(before.size()) == keyframes::kAskedViewers) break;
   }
   return before;
 }
 
 /// Whether a scan is believed. In doubt the robot first waits, moved as the two scans and odometry have it;
 /// then it maps on by itself, in a map of its own, which stays part of the rest when the doubt passes.
-Trust GraphSlam::weighDoubt(const Pose2& T_before, const Break& seam, Step& step) {
+keyframes::Trust GraphSlam::weighDoubt(const Pose2& T_before, const keyframes::Break& seam, Step& step) {
   if (doubt_.begins >= 0) {
-    if (!lost_.isInDoubt()) return Trust::kBack;
+    if (!lost_.isInDoubt()) return keyframes::Trust::kBack;
     if (doubt_.untold_m > options_.map_radius_m && !lost_.isLost()) {
       // The robot has left what was known before: nothing will prove it any more.
       endDoubt();
     }
-    return Trust::kWell;
+    return keyframes::Trust::kWell;
   }
   if (!lost_.isInDoubt()) {
     if (held_back_ > 0) lost_.dismiss();
     held_back_ = 0, doubt_ = {};
-    return Trust::kWell;
+    return keyframes::Trust::kWell;
   }
   ++held_back_;
   doubt_.held_s += period_s_;
@@ -171,14 +167,14 @@ Trust GraphSlam::weighDoubt(const Pose2& T_before, const Break& seam, Step& step
   doubt_.held_m += core::hypot(seam.T_previous_robot.x, seam.T_previous_robot.y);
   const bool waits =
       doubt_.held_s < kHold_s && doubt_.held_m < options_.keyframe_distance_m && !lost_.isLost();
-  return waits ? Trust::kHeldBack : Trust::kOwnMap;
+  return waits ? keyframes::Trust::kHeldBack : keyframes::Trust::kOwnMap;
 }
 
 /// The next keyframe begins a map of its own, for as long as the doubt lasts.
 void GraphSlam::beginOwnMap() {
   forgetWheels();
   doubt_.begins = map_->size();
-  doubt_.maps = std::make_shared<LevelMaps>(maps_);
+  doubt_.maps = std::make_shared<keyframes::LevelMaps>(maps_);
   doubt_.T_map_robot = currentPose();
   map_keyframes_.clear();
   evidence_.by_view.clear();  // of the place where the robot is not
@@ -186,7 +182,7 @@ void GraphSlam::beginOwnMap() {
 
 /// All is well again, and the robot is where the map from before has it. That map goes on from here; what was
 /// mapped meanwhile hangs on it by odometry alone, and no scan is matched to it any more.
-void GraphSlam::comeBack(const robot::Scan& scan, std::vector<PatchPoint> points, Step& step) {
+void GraphSlam::comeBack(const lidar::Scan& scan, std::vector<PatchPoint> points, Step& step) {
   const Pose2 T_map_robot = doubt_.T_map_robot;
   const Eigen::Matrix3d information = doubt_.information;
   const int before = map_->keyframeBefore(doubt_.begins), k = map_->size();
@@ -219,11 +215,11 @@ void GraphSlam::startElsewhere(double score) {
   const int k = doubt_.begins;
   loosen(k);
   for (int i = k; i < map_->size(); ++i) {
-    map_->keyframes()[static_cast<size_t>(i)].path_m += kGapPath_m;
+    map_->keyframes()[static_cast<size_t>(i)].path_m += keyframes::kGapPath_m;
     map_->keyframes()[static_cast<size_t>(i)].covariance = covariance_;
     map_->keyframes()[static_cast<size_t>(i)].root = scanmatch::rootOf(covariance_);
   }
-  map_->drive(kGapPath_m);
+  map_->drive(keyframes::kGapPath_m);
   moveHeldBackTo(k);
   beginPart(k);
   loops_.forget();

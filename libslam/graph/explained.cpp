@@ -2,7 +2,7 @@
 
 #include "libslam/core/rigid_motion2.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/matching.h"
+#include "libslam/keyframes/matching.h"
 
 namespace slam::graph {
 
@@ -15,7 +15,7 @@ using scanmatch::PatchPoint;
 /// beams far apart, are left out, as long as there are others enough.
 double GraphSlam::toldScore(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) const {
   constexpr double kLeastTold = 0.2;
-  const auto viewers = firstOf(map_keyframes_, kAskedViewers);
+  const auto viewers = keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers);
   const Point2 origin = maps_.fine.origin();
   const auto poses = map_->lidarsOf(viewers);
   const std::vector<core::RigidMotion2> T_lidars_map(poses.begin(), poses.end());
@@ -25,10 +25,10 @@ double GraphSlam::toldScore(const std::vector<PatchPoint>& points, const Pose2& 
     const Point2 p_map = T_map_points * position(point);
     bool is_told = maps_.fine.at(p_map.x - origin.x, p_map.y - origin.y) != nullptr;
     for (size_t i = 0; !is_told && i < viewers.size(); ++i)
-      is_told = map_->sight(viewers[i], T_lidars_map[i] * p_map) == Sight::kPassed;
+      is_told = map_->sight(viewers[i], T_lidars_map[i] * p_map) == keyframes::Sight::kPassed;
     if (is_told) told.push_back(point);
   }
-  const double share = surfelScore(told, maps_.fine, T_map_robot, kKernel, 1);
+  const double share = surfelScore(told, maps_.fine, T_map_robot, keyframes::kKernel, 1);
   const double least = kLeastTold * static_cast<double>(points.size());
   return share * std::min(1.0, static_cast<double>(told.size()) / std::max(least, 1.0));
 }
@@ -38,7 +38,7 @@ double GraphSlam::toldScore(const std::vector<PatchPoint>& points, const Pose2& 
 /// between two beams of a keyframe far along a wall, says nothing against a pose.
 double GraphSlam::gain(const std::vector<PatchPoint>& points, const Pose2& T_map_robot,
                        const Pose2& T_map_other) const {
-  const auto viewers = firstOf(map_keyframes_, kAskedViewers);
+  const auto viewers = keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers);
   const Point2 origin = maps_.fine.origin();
   const auto poses = map_->lidarsOf(viewers);
   const std::vector<core::RigidMotion2> T_lidars_map(poses.begin(), poses.end());
@@ -47,17 +47,17 @@ double GraphSlam::gain(const std::vector<PatchPoint>& points, const Pose2& T_map
     const Point2 p_map = T * position(point);
     bool agreed = false;
     for (size_t i = 0; i < viewers.size(); ++i) {
-      const Sight seen = map_->sight(viewers[i], T_lidars_map[i] * p_map);
-      if (seen == Sight::kPassed) return true;
-      agreed = agreed || seen == Sight::kAgreed;
+      const keyframes::Sight seen = map_->sight(viewers[i], T_lidars_map[i] * p_map);
+      if (seen == keyframes::Sight::kPassed) return true;
+      agreed = agreed || seen == keyframes::Sight::kAgreed;
     }
     return agreed && maps_.fine.at(p_map.x - origin.x, p_map.y - origin.y) != nullptr;
   };
   std::vector<PatchPoint> telling;
-  for (size_t p = 0; p < points.size(); p += kStride)
+  for (size_t p = 0; p < points.size(); p += keyframes::kStride)
     if (says(T_here, points[p]) && says(T_there, points[p])) telling.push_back(points[p]);
-  return surfelScore(telling, maps_.fine, T_map_robot, kKernel, 1) -
-         surfelScore(telling, maps_.fine, T_map_other, kKernel, 1);
+  return surfelScore(telling, maps_.fine, T_map_robot, keyframes::kKernel, 1) -
+         surfelScore(telling, maps_.fine, T_map_other, keyframes::kKernel, 1);
 }
 
 }  // namespace slam::graph

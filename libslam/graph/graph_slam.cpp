@@ -1,7 +1,7 @@
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/matching.h"
-#include "libslam/graph/pose_error.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/pose_error.h"
+#include "libslam/keyframes/search.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,9 +21,9 @@ constexpr double kDistrustedFactor = 5;
 
 }  // namespace
 
-GraphSlam::GraphSlam(const GraphOptions& options)
+GraphSlam::GraphSlam(const keyframes::GraphOptions& options)
     : options_(options),
-      map_(std::make_unique<KeyframeMap>(options)),
+      map_(std::make_unique<keyframes::KeyframeMap>(options)),
       loops_(*map_),
       finder_(*map_),
       maps_(options, true),
@@ -33,7 +33,7 @@ Pose2 GraphSlam::currentPose() const {
   return map_->pose(anchor_) * T_keyframe_robot_;
 }
 
-GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previous_robot,
+GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previous_robot,
                                    bool has_odometry) {
   if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
   noteScan(scan, has_odometry);
@@ -41,7 +41,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
   if (loops_.continueClosing(doubt_.begins < 0 && held_back_ == 0)) haveMoved();
   Step step;
   if (map_->keyframes().empty()) {
-    addKeyframe(scan, pointsOf(scan, options_), {}, Eigen::Matrix3d::Zero());
+    addKeyframe(scan, keyframes::pointsOf(scan, options_), {}, Eigen::Matrix3d::Zero());
     step.is_keyframe = true;
   } else {
     std::vector<PatchPoint> points;
@@ -50,19 +50,19 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     const Pose2 T_before = currentPose();
     step = track(scan, increment, has_odometry, points, information);
     const Pose2 matched = core::between(T_before, step.T_map_robot);
-    const Break seam = breakBefore(scan, points, increment, matched, has_odometry);
+    const keyframes::Break seam = breakBefore(scan, points, increment, matched, has_odometry);
     lookWhetherLost(scan, points, step, has_odometry ? increment : matched, seam.contradicted);
-    const Trust trust = weighDoubt(T_before, seam, step);
-    step.is_keyframe =
-        trust == Trust::kOwnMap || (trust == Trust::kWell && needsKeyframe(scan, points, step));
-    if (trust == Trust::kBack) {
+    const keyframes::Trust trust = weighDoubt(T_before, seam, step);
+    step.is_keyframe = trust == keyframes::Trust::kOwnMap ||
+                       (trust == keyframes::Trust::kWell && needsKeyframe(scan, points, step));
+    if (trust == keyframes::Trust::kBack) {
       comeBack(scan, points, step);
       step.is_keyframe = true;
     } else if (step.is_keyframe) {
       if (doubt_.begins < 0) learnWrongPlace(scan, points, step.T_map_robot);
-      if (trust == Trust::kOwnMap) beginOwnMap();
+      if (trust == keyframes::Trust::kOwnMap) beginOwnMap();
       addKeyframe(scan, std::move(points), step.T_map_robot, information);
-      if (trust == Trust::kWell && is_known_ground_) retireOldest(map_->lastKeyframe());
+      if (trust == keyframes::Trust::kWell && is_known_ground_) retireOldest(map_->lastKeyframe());
       step.pose_covariance = covariance_;
     }
     if (lost_.isLost() && doubt_.begins >= 0) startElsewhere(step.score);
@@ -107,7 +107,7 @@ int GraphSlam::addOdometryEdge(int k) {
   return map_->graph().addEdge(edge);
 }
 
-void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
+void GraphSlam::addKeyframe(const lidar::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
                             const Eigen::Matrix3d& information) {
   const int k = map_->graph().addNode(T_map_robot);
   map_->keyframes().push_back({map_->scan(), scan, std::move(points), map_->path_m(), -1,
@@ -122,7 +122,7 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
     // What was driven on known ground is no way from one to the other.
     if (anchor_ != k - 1) map_->addClosure(anchor_, k);
     addMatchEdges(k, T_map_robot, information);
-    noteMatch(*map_, evidence_, least_);
+    keyframes::noteMatch(*map_, evidence_, least_);
   }
   anchor_ = k;
   from_keyframe_.setZero();
@@ -144,8 +144,9 @@ void GraphSlam::finish() {
   if (map_->keyframes().empty()) return;
   completeClosing();
   if (options_.loops) joinRemainingParts();
-  const auto first_new = std::find_if(map_->keyframes().begin(), map_->keyframes().end(),
-                                      [](const Keyframe& one) { return one.scan != kOfEarlierRun; });
+  const auto first_new =
+      std::find_if(map_->keyframes().begin(), map_->keyframes().end(),
+                   [](const keyframes::Keyframe& one) { return one.scan != keyframes::kOfEarlierRun; });
   if (options_.loops)
     loops_.searchRemainingLoops(static_cast<int>(first_new - map_->keyframes().begin()),
                                 [this] { haveMoved(); });

@@ -12,16 +12,16 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 #include "libslam/graph/change_marks.h"
-#include "libslam/graph/graph_options.h"
-#include "libslam/graph/keyframe_map.h"
-#include "libslam/graph/loop_closer.h"
 #include "libslam/graph/lost_detector.h"
-#include "libslam/graph/part_finder.h"
-#include "libslam/graph/part_place.h"
-#include "libslam/graph/types.h"
+#include "libslam/keyframes/graph_options.h"
+#include "libslam/keyframes/keyframe_map.h"
+#include "libslam/keyframes/types.h"
+#include "libslam/lidar/scan.h"
+#include "libslam/loops/loop_closer.h"
+#include "libslam/loops/part_finder.h"
+#include "libslam/loops/part_place.h"
 #include "libslam/odometry/path_scale.h"
 #include "libslam/posegraph/pose_graph.h"
-#include "libslam/robot/scan.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::graph {
@@ -79,7 +79,7 @@ namespace slam::graph {
 /// view, and the choice among starts are ours.
 class GraphSlam {
  public:
-  explicit GraphSlam(const GraphOptions& options);
+  explicit GraphSlam(const keyframes::GraphOptions& options);
 
   struct Step {
     core::Pose2 T_map_robot;
@@ -89,9 +89,9 @@ class GraphSlam {
     bool is_keyframe = false;
   };
   /// REQUIRES at least 2 beams. T_previous_robot is read when has_odometry.
-  Step process(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
+  Step process(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
   /// The same without changing the map: where the robot is in what is known. REQUIRES a keyframe.
-  Step localise(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
+  Step localise(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
 
   /// Looks for the loops that are left, now that the whole path is known, finds all poses anew by what later
   /// passes through a place measured, and refines them jointly (`refine_rounds`). What process() gave stays;
@@ -104,7 +104,7 @@ class GraphSlam {
   std::vector<Eigen::Matrix3d> covariances() const;
 
   /// Without beams where all that it saw was seen anew since.
-  const robot::Scan& keyframeScan(int keyframe) const { return map_->keyframe(keyframe).seen; }
+  const lidar::Scan& keyframeScan(int keyframe) const { return map_->keyframe(keyframe).seen; }
   int keyframeCount() const { return map_->size(); }
   const core::Pose2& keyframePose(int keyframe) const { return map_->pose(keyframe); }
   /// Grows when keyframes that were there before have moved.
@@ -114,7 +114,7 @@ class GraphSlam {
 
   /// A keyframe of a map that is continued, at a known pose, tied to the one before. Before the first scan
   /// only.
-  void addKnownKeyframe(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  void addKnownKeyframe(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   /// The known keyframes to come are those of a map of its own, in its own frame: nobody knows where it lies
   /// in what was known before. REQUIRES a keyframe, and no scan.
   void beginKnownPart();
@@ -122,7 +122,7 @@ class GraphSlam {
   /// those of a kidnapped robot. Then for the loops that are left, and refines all poses jointly. One for
   /// each beginKnownPart(); a part of which no place is proved stays far away. REQUIRES options.loops, a
   /// keyframe in each part. Errors: what `progress` throws.
-  std::vector<PartPlace> joinParts(core::Progress& progress);
+  std::vector<loops::PartPlace> joinParts(core::Progress& progress);
   /// Where the robot is now in what is known: after known keyframes, or wherever it was put. Nothing is taken
   /// as measured between there and where it was before. REQUIRES a keyframe.
   void startAt(const core::Pose2& T_map_robot);
@@ -132,7 +132,7 @@ class GraphSlam {
  private:
   using Points = std::vector<scanmatch::PatchPoint>;
   // graph_slam.cpp: keyframes and their edges
-  void addKeyframe(const robot::Scan& scan, Points points, const core::Pose2& T_map_robot,
+  void addKeyframe(const lidar::Scan& scan, Points points, const core::Pose2& T_map_robot,
                    const Eigen::Matrix3d& information);
   int addOdometryEdge(int keyframe);
   core::Pose2 currentPose() const;
@@ -141,36 +141,38 @@ class GraphSlam {
   std::optional<scanmatch::MatchResult> matchToPass(int keyframe, const std::vector<int>& pass,
                                                     const core::Pose2& T_map_robot);
   // known_ground.cpp: where no more keyframes are needed
-  bool needsKeyframe(const robot::Scan& scan, const Points& points, const Step& step);
-  bool isKnownGround(const robot::Scan& scan, const core::Pose2& T_map_robot) const;
+  bool needsKeyframe(const lidar::Scan& scan, const Points& points, const Step& step);
+  bool isKnownGround(const lidar::Scan& scan, const core::Pose2& T_map_robot) const;
   bool hasGoneOn(double share) const;
   void hangOn(int keyframe, const core::Pose2& T_map_robot);
-  bool hasChanged(const robot::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
-  void forgetGone(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  bool hasChanged(const lidar::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
+  void forgetGone(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   void retireOldest(int keyframe);
 
   // motion.cpp: what is known of a step before it is matched
-  void noteScan(const robot::Scan& scan, bool has_odometry);
-  void keepScan(const robot::Scan& scan);
-  const Seen* before() const;
-  Prediction predict(const core::Pose2& T_previous_robot, bool has_odometry) const;
+  void noteScan(const lidar::Scan& scan, bool has_odometry);
+  void keepScan(const lidar::Scan& scan);
+  const keyframes::Seen* before() const;
+  keyframes::Prediction predict(const core::Pose2& T_previous_robot, bool has_odometry) const;
   double farthestMove() const;
-  std::optional<core::Pose2> motionFromScans(const robot::Scan& scan) const;
+  std::optional<core::Pose2> motionFromScans(const lidar::Scan& scan) const;
 
   // track.cpp: a scan and the map around
-  Step track(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry, Points& points,
+  Step track(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry, Points& points,
              Eigen::Matrix3d& information);
-  Expected expect(const core::Pose2& T_previous_robot, bool has_odometry) const;
-  Start bestStart(const robot::Scan& scan, const Points& points, const Expected& expected) const;
-  void slide(const Expected& expected, const core::Pose2& motion,
+  keyframes::Expected expect(const core::Pose2& T_previous_robot, bool has_odometry) const;
+  keyframes::Start bestStart(const lidar::Scan& scan, const Points& points,
+                             const keyframes::Expected& expected) const;
+  void slide(const keyframes::Expected& expected, const core::Pose2& motion,
              const std::function<void(const core::Pose2&)>& consider) const;
-  double unlikely(const core::Pose2& T_map_robot, const Expected& expected) const;
-  double brokenAt(const core::Pose2& T_map_robot, const Points& points, const Expected& expected) const;
+  double unlikely(const core::Pose2& T_map_robot, const keyframes::Expected& expected) const;
+  double brokenAt(const core::Pose2& T_map_robot, const Points& points,
+                  const keyframes::Expected& expected) const;
   bool isBetter(const scanmatch::MatchResult& other, const scanmatch::MatchResult& than, double least_gain,
-                const Points& points, const Expected& expected) const;
+                const Points& points, const keyframes::Expected& expected) const;
   bool isPoor(const scanmatch::MatchResult& result, const Points& points) const;
-  std::pair<scanmatch::MatchResult, bool> bestMatch(const robot::Scan& scan, const Points& points,
-                                                    const Expected& expected);
+  std::pair<scanmatch::MatchResult, bool> bestMatch(const lidar::Scan& scan, const Points& points,
+                                                    const keyframes::Expected& expected);
   std::optional<scanmatch::MatchResult> recover(const Points& points, const core::Pose2& predicted,
                                                 const core::Pose2& matched) const;
   void setMap(const std::vector<int>& near, const core::Point2& centre);
@@ -179,7 +181,7 @@ class GraphSlam {
   double knownShare(const Points& points, const core::Pose2& T_map_robot) const;
   void followWheels(const core::Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained);
   void forgetWheels();
-  void learnScale(const Expected& expected, const core::Pose2& T_map_robot,
+  void learnScale(const keyframes::Expected& expected, const core::Pose2& T_map_robot,
                   const Eigen::Matrix3d& information, const Eigen::Matrix3d& posterior_information);
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
 
@@ -189,16 +191,17 @@ class GraphSlam {
 
   // doubt.cpp: whether the robot was kidnapped
   double brokenBy(const Points& points, const core::Pose2& T_previous_robot) const;
-  Break breakBefore(const robot::Scan& scan, const Points& points, const core::Pose2& T_previous_robot,
-                    const core::Pose2& T_previous_matched, bool has_odometry) const;
-  Told trackBefore(const robot::Scan& scan, const Points& points, const core::Pose2& increment,
-                   double& explained);
-  void comeBack(const robot::Scan& scan, Points points, Step& step);
-  void lookWhetherLost(const robot::Scan& scan, const Points& points, const Step& step,
+  keyframes::Break breakBefore(const lidar::Scan& scan, const Points& points,
+                               const core::Pose2& T_previous_robot, const core::Pose2& T_previous_matched,
+                               bool has_odometry) const;
+  keyframes::Told trackBefore(const lidar::Scan& scan, const Points& points, const core::Pose2& increment,
+                              double& explained);
+  void comeBack(const lidar::Scan& scan, Points points, Step& step);
+  void lookWhetherLost(const lidar::Scan& scan, const Points& points, const Step& step,
                        const core::Pose2& increment, double broken);
-  void learnWrongPlace(const robot::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
+  void learnWrongPlace(const lidar::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
   std::vector<int> keyframesBeforeDoubt(const core::Pose2& T_map_robot) const;
-  Trust weighDoubt(const core::Pose2& T_before, const Break& seam, Step& step);
+  keyframes::Trust weighDoubt(const core::Pose2& T_before, const keyframes::Break& seam, Step& step);
   void beginOwnMap();
   void endDoubt();
   void startElsewhere(double score);
@@ -207,11 +210,11 @@ class GraphSlam {
 
   // covariance.cpp
   void noteEvidence(const Points& points, const core::Pose2& T_map_robot, const scanmatch::SurfelMap& map);
-  void estimateCovariance(const Expected& expected, const scanmatch::MatchResult& result);
+  void estimateCovariance(const keyframes::Expected& expected, const scanmatch::MatchResult& result);
   Eigen::Matrix3d driftSinceKeyframe() const;
 
   // parts.cpp: loops, and parts of the map that have no known place in one another
-  void noteLoop(const LoopCloser::Accepted& loop);
+  void noteLoop(const loops::LoopCloser::Accepted& loop);
   void haveMoved();
   void completeClosing();
   void beginPart(int keyframe);
@@ -220,7 +223,7 @@ class GraphSlam {
   void noteWhatStaysApart();
 
   // known_parts.cpp: maps of before whose places in one another are not known
-  void judge(size_t part, PartPlace& place) const;
+  void judge(size_t part, loops::PartPlace& place) const;
   int endOfPart(size_t part) const;
 
   // localise.cpp: in a finished map
@@ -231,12 +234,13 @@ class GraphSlam {
   // refine.cpp
   void refine();
 
-  GraphOptions options_;
-  std::unique_ptr<KeyframeMap> map_;  ///< stays where it is when this is moved: the next two look at it
-  LoopCloser loops_;
-  PartFinder finder_;
-  std::vector<Record> records_;
-  LevelMaps maps_;
+  keyframes::GraphOptions options_;
+  std::unique_ptr<keyframes::KeyframeMap>
+      map_;  ///< stays where it is when this is moved: the next two look at it
+  loops::LoopCloser loops_;
+  loops::PartFinder finder_;
+  std::vector<keyframes::Record> records_;
+  keyframes::LevelMaps maps_;
   std::vector<int> map_keyframes_;
   scanmatch::MatchEvidence evidence_;                     ///< of the scan at hand
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  ///< of its pose in the map
@@ -255,17 +259,17 @@ class GraphSlam {
   int unsure_from_ = 0;                      ///< keyframe; meanwhile
   int explained_ = 0;                        ///< scans in a row
   double let_go_m_ = 0;                      ///< driven then
-  std::vector<Seen> seen_;                   ///< one per lidar
+  std::vector<keyframes::Seen> seen_;        ///< one per lidar
   int before_ = -1;                          ///< of these, the one of the scan at hand; -1: its lidar is new
   double previous_time_s_ = 0;               ///< of the last scan of any
   double period_s_ = 0, mean_period_s_ = 0;  ///< from the scan before to the last one
   LostDetector lost_;
-  Doubt doubt_;
-  int held_back_ = 0;                          ///< scans in a row that were not believed
-  std::vector<KnownPart> known_parts_;         ///< those after the first
-  int wrong_places_ = 0;                       ///< that were learnt from
-  bool is_lost_ = false, is_outside_ = false;  ///< in a finished map
-  scanmatch::SurfelMap pass_map_;              ///< of one pass through a place
+  keyframes::Doubt doubt_;
+  int held_back_ = 0;                              ///< scans in a row that were not believed
+  std::vector<keyframes::KnownPart> known_parts_;  ///< those after the first
+  int wrong_places_ = 0;                           ///< that were learnt from
+  bool is_lost_ = false, is_outside_ = false;      ///< in a finished map
+  scanmatch::SurfelMap pass_map_;                  ///< of one pass through a place
 };
 
 }  // namespace slam::graph

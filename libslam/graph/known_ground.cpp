@@ -3,7 +3,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/matching.h"
+#include "libslam/keyframes/matching.h"
 
 /// Ground that was seen often enough costs no more: the robot goes on along the keyframes that are there (the
 /// idea of a reduced pose graph: Johannsson et al., ICRA 2013). So time and memory grow with the area, and
@@ -26,12 +26,12 @@ constexpr double kSameView = 0.5;
 constexpr int kLeastChanged = 5;
 
 /// The share of what a scan looks at that another one from nearby looks at, too: of directions.
-double sharedView(const robot::Scan& scan, const Pose2& T_map_robot, const robot::Scan& other,
+double sharedView(const lidar::Scan& scan, const Pose2& T_map_robot, const lidar::Scan& other,
                   const Pose2& T_map_other) {
-  const auto width = [](const robot::Scan& s) {
+  const auto width = [](const lidar::Scan& s) {
     return std::min(static_cast<double>(s.ranges_m.size()) * s.step_rad, 2 * core::kPi);
   };
-  const auto middle = [&](const robot::Scan& s, const Pose2& T) {
+  const auto middle = [&](const lidar::Scan& s, const Pose2& T) {
     return T.phi + s.T_robot_lidar.phi + s.first_angle_rad + width(s) / 2;
   };
   const double its = width(scan), theirs = width(other);
@@ -44,7 +44,7 @@ double sharedView(const robot::Scan& scan, const Pose2& T_map_robot, const robot
 }  // namespace
 
 /// Whether the keyframes around see all that a scan sees, often enough, so that one more tells nothing.
-bool GraphSlam::isKnownGround(const robot::Scan& scan, const Pose2& T_map_robot) const {
+bool GraphSlam::isKnownGround(const lidar::Scan& scan, const Pose2& T_map_robot) const {
   if (options_.known_views <= 0 || doubt_.begins >= 0 || by_wheels_ || loops_.isFollowing() ||
       loops_.isClosing())
     return false;
@@ -66,7 +66,7 @@ bool GraphSlam::hasGoneOn(double share) const {
 /// Whether a scan that is believed becomes a keyframe. On known ground the robot is hung on the keyframe
 /// nearest to it instead, unless something has changed there; and a scan that is not explained is learnt as
 /// the robot moves on, not again and again while it stands.
-bool GraphSlam::needsKeyframe(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+bool GraphSlam::needsKeyframe(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                               const Step& step) {
   const bool has_gone_on = hasGoneOn(1), is_explained = step.score >= options_.keyframe_score;
   is_known_ground_ = false;
@@ -90,17 +90,18 @@ void GraphSlam::hangOn(int k, const Pose2& T_map_robot) {
 
 /// Whether something has been there for a while where none of the keyframes around saw it. What has gone is
 /// forgotten.
-bool GraphSlam::hasChanged(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+bool GraphSlam::hasChanged(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                            const Pose2& T_map_robot) {
-  const auto viewers = firstOf(map_keyframes_, kAskedViewers);
+  const auto viewers = keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers);
   const auto T_lidars_map = map_->lidarsOf(viewers);
   int changed = 0;
   for (const auto& point : points) {
     const Point2 p_map = T_map_robot * position(point);
     bool is_passed = false, is_agreed = false;
     for (size_t i = 0; i < viewers.size(); ++i) {
-      const Sight seen = map_->sight(viewers[i], T_lidars_map[i] * p_map);
-      is_passed = is_passed || seen == Sight::kPassed, is_agreed = is_agreed || seen == Sight::kAgreed;
+      const keyframes::Sight seen = map_->sight(viewers[i], T_lidars_map[i] * p_map);
+      is_passed = is_passed || seen == keyframes::Sight::kPassed,
+      is_agreed = is_agreed || seen == keyframes::Sight::kAgreed;
     }
     if (is_passed && !is_agreed) changed += appeared_.look(p_map, scan.time_s);
   }
@@ -109,7 +110,8 @@ bool GraphSlam::hasChanged(const robot::Scan& scan, const std::vector<PatchPoint
   for (const int viewer : viewers)
     for (const auto& point : map_->keyframe(viewer).points) {
       const Point2 p_map = map_->pose(viewer) * position(point);
-      if (sight(scan, T_lidar_map * p_map) == Sight::kPassed) gone += gone_.look(p_map, scan.time_s);
+      if (keyframes::sight(scan, T_lidar_map * p_map) == keyframes::Sight::kPassed)
+        gone += gone_.look(p_map, scan.time_s);
     }
   if (gone >= kLeastChanged) forgetGone(scan, T_map_robot);
   return changed >= kLeastChanged;
@@ -117,15 +119,15 @@ bool GraphSlam::hasChanged(const robot::Scan& scan, const std::vector<PatchPoint
 
 /// What a scan sees through, and what has been seen through for a while, is taken out of the keyframes
 /// around.
-void GraphSlam::forgetGone(const robot::Scan& scan, const Pose2& T_map_robot) {
+void GraphSlam::forgetGone(const lidar::Scan& scan, const Pose2& T_map_robot) {
   const Pose2 T_lidar_map = core::inverse(T_map_robot * scan.T_robot_lidar);
   const auto isGone = [&](const Point2& p_map) {
-    return gone_.hasStayed(p_map) && sight(scan, T_lidar_map * p_map) == Sight::kPassed;
+    return gone_.hasStayed(p_map) && keyframes::sight(scan, T_lidar_map * p_map) == keyframes::Sight::kPassed;
   };
   // Not what merely lies near: a part whose place is not known, or a pass whose loop is not closed.
   for (const int other : map_->keyframesAround(anchor_, core::position(T_map_robot), options_.map_path_m,
                                                options_.map_radius_m)) {
-    Keyframe& known = map_->keyframes()[static_cast<size_t>(other)];
+    keyframes::Keyframe& known = map_->keyframes()[static_cast<size_t>(other)];
     const Pose2& T = map_->pose(other);
     const auto first = std::remove_if(known.points.begin(), known.points.end(),
                                       [&](const PatchPoint& point) { return isGone(T * position(point)); });
@@ -134,8 +136,8 @@ void GraphSlam::forgetGone(const robot::Scan& scan, const Pose2& T_map_robot) {
     const Pose2 T_map_lidar = T * known.seen.T_robot_lidar;
     for (size_t beam = 0; beam < known.seen.ranges_m.size(); ++beam) {
       float& range_m = known.seen.ranges_m[beam];
-      if (robot::isReturn(range_m) && isGone(T_map_lidar * core::polar(range_m, known.seen.angle(beam))))
-        range_m = robot::kLostReading;
+      if (lidar::isReturn(range_m) && isGone(T_map_lidar * core::polar(range_m, known.seen.angle(beam))))
+        range_m = lidar::kLostReading;
     }
     map_->countRevision();
   }
@@ -156,7 +158,7 @@ void GraphSlam::retireOldest(int k) {
     if (shared > kSameView) oldest = std::min(oldest, other);
   }
   if (views < options_.known_views || oldest == k) return;
-  Keyframe& known = map_->keyframes()[static_cast<size_t>(oldest)];
+  keyframes::Keyframe& known = map_->keyframes()[static_cast<size_t>(oldest)];
   known.is_retired = true;
   known.points = {}, known.seen.ranges_m = {};
   map_->links().remove(oldest);

@@ -3,8 +3,8 @@
 
 #include "libslam/core/error.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/matching.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 
 namespace slam::graph {
 namespace {
@@ -20,7 +20,7 @@ constexpr int kJudgedStep = 2;
 
 }  // namespace
 
-void GraphSlam::addKnownKeyframe(const robot::Scan& scan, const Pose2& T_given_robot) {
+void GraphSlam::addKnownKeyframe(const lidar::Scan& scan, const Pose2& T_given_robot) {
   if (!records_.empty()) throw core::ContractError("GraphSlam: known keyframes come before the first scan");
   const int k = map_->size();
   const bool begins_part = k > 0 && map_->parts().back().begin == k;
@@ -29,15 +29,16 @@ void GraphSlam::addKnownKeyframe(const robot::Scan& scan, const Pose2& T_given_r
   if (begins_part) {
     known_parts_.back().T_given_first = T_given_robot;
     map_keyframes_.clear();
-    map_->drive(kGapPath_m);
+    map_->drive(keyframes::kGapPath_m);
   } else {
     T_odometry_ = core::between(k == 0 ? Pose2{} : map_->pose(k - 1), T_map_robot);
     map_->drive(core::hypot(T_odometry_.x, T_odometry_.y));
   }
   const bool loops = std::exchange(options_.loops, false);
-  addKeyframe(scan, pointsOf(scan, options_), T_map_robot, scanmatch::poseInformation(kKnown_m, kKnown_rad));
+  addKeyframe(scan, keyframes::pointsOf(scan, options_), T_map_robot,
+              scanmatch::poseInformation(kKnown_m, kKnown_rad));
   if (begins_part) loosen(k);
-  map_->keyframes().back().scan = kOfEarlierRun;
+  map_->keyframes().back().scan = keyframes::kOfEarlierRun;
   options_.loops = loops;
 }
 
@@ -53,11 +54,11 @@ int GraphSlam::endOfPart(size_t part) const {
   return part + 1 < map_->parts().size() ? map_->parts()[part + 1].begin : map_->size();
 }
 
-std::vector<PartPlace> GraphSlam::joinParts(core::Progress& progress) {
+std::vector<loops::PartPlace> GraphSlam::joinParts(core::Progress& progress) {
   if (!options_.loops) throw core::ContractError("GraphSlam: parts are not joined without loops");
   if (map_->parts().back().begin == map_->size())
     throw core::ContractError("GraphSlam: a part without a keyframe");
-  std::vector<PartPlace> places(known_parts_.size());
+  std::vector<loops::PartPlace> places(known_parts_.size());
   // What finds no place in one part may find it in another that was joined since.
   for (bool goes_on = true; goes_on;) {
     goes_on = false;
@@ -79,7 +80,7 @@ std::vector<PartPlace> GraphSlam::joinParts(core::Progress& progress) {
 }
 
 /// What the keyframes of a part and those of the others say of each other, as they lie in the end.
-void GraphSlam::judge(size_t part, PartPlace& place) const {
+void GraphSlam::judge(size_t part, loops::PartPlace& place) const {
   const int first = map_->parts()[part].begin, end = endOfPart(part);
   place.is_joined = map_->componentOf(first) == 0;
   place.T_map_part = map_->pose(first) * core::inverse(known_parts_[part - 1].T_given_first);
@@ -89,10 +90,11 @@ void GraphSlam::judge(size_t part, PartPlace& place) const {
     ++judged;
     std::vector<int> viewers;
     for (const int other : map_->keyframesWithin(core::position(map_->pose(k)), options_.map_radius_m))
-      if ((other < first || other >= end) && static_cast<int>(viewers.size()) < kAskedViewers)
+      if ((other < first || other >= end) && static_cast<int>(viewers.size()) < keyframes::kAskedViewers)
         viewers.push_back(other);
-    const Told said = map_->toldBy(viewers, map_->keyframe(k).points, map_->pose(k), &map_->keyframe(k).seen);
-    if (said.telling < kToldToJoin) continue;
+    const keyframes::Told said =
+        map_->toldBy(viewers, map_->keyframe(k).points, map_->pose(k), &map_->keyframe(k).seen);
+    if (said.telling < keyframes::kToldToJoin) continue;
     ++sharing;
     told += said.telling;
     against += said.telling * said.contradicted;

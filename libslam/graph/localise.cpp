@@ -2,8 +2,8 @@
 
 #include "libslam/core/error.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/matching.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 
 namespace slam::graph {
 namespace {
@@ -24,7 +24,7 @@ void GraphSlam::startAnywhere() {
   beLost(0);
 }
 
-GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_previous_robot,
+GraphSlam::Step GraphSlam::localise(const lidar::Scan& scan, const Pose2& T_previous_robot,
                                     bool has_odometry) {
   if (map_->keyframes().empty()) throw core::ContractError("GraphSlam: localise() without a map");
   completeClosing();
@@ -36,7 +36,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
   const Pose2 predicted = currentPose() * increment;
   Step step;
   if (is_lost_) {
-    points = pointsOf(scan, options_);
+    points = keyframes::pointsOf(scan, options_);
     step.score = 0;
     step.T_map_robot = predicted;
     ++held_back_;
@@ -51,7 +51,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
   } else {
     const Pose2 T_before = currentPose();
     step = track(scan, increment, has_odometry, points, information);
-    const Break seam =
+    const keyframes::Break seam =
         breakBefore(scan, points, increment, core::between(T_before, step.T_map_robot), has_odometry);
     lookWhetherLost(scan, points, step, increment, seam.contradicted);
     // A robot that has left the map is not searched for: odometry leads it back. What little fits would
@@ -89,14 +89,15 @@ bool GraphSlam::searchWhileLost(const std::vector<PatchPoint>& points, Step& ste
 
 /// Whether a scan as a whole fits the map near a pose: explained, and seen through by no beam.
 bool GraphSlam::fitsMap(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) const {
-  const auto around = firstOf(map_->keyframesWithin(core::position(T_map_robot), options_.map_radius_m),
-                              options_.map_keyframes);
+  const auto around = keyframes::firstOf(
+      map_->keyframesWithin(core::position(T_map_robot), options_.map_radius_m), options_.map_keyframes);
   if (around.empty()) return false;
   const auto matched = map_->matchFreely(points, around, T_map_robot);
   return matched.score >= options_.recover_score &&
          core::distance(matched.T_map_robot, T_map_robot) < kSame_m &&
          std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kSame_rad &&
-         map_->meanConflict(firstOf(around, kViewers), matched.T_map_robot, points) < options_.loop_conflict;
+         map_->meanConflict(keyframes::firstOf(around, keyframes::kViewers), matched.T_map_robot, points) <
+             options_.loop_conflict;
 }
 
 void GraphSlam::beLost(double score) {

@@ -32,10 +32,11 @@ Pose2 goneOn(const Pose2& T, double times) {
 }  // namespace
 
 /// What is there to go by: the time since the scan before, and the last scan of the same lidar.
-void GraphSlam::noteScan(const robot::Scan& scan, bool has_odometry) {
+void GraphSlam::noteScan(const lidar::Scan& scan, bool has_odometry) {
   if (seen_.empty()) return;
-  const auto same = std::find_if(seen_.begin(), seen_.end(),
-                                 [&](const Seen& seen) { return robot::areOfOneLidar(seen.scan, scan); });
+  const auto same = std::find_if(seen_.begin(), seen_.end(), [&](const keyframes::Seen& seen) {
+    return lidar::areOfOneLidar(seen.scan, scan);
+  });
   before_ = same == seen_.end() ? -1 : static_cast<int>(same - seen_.begin());
   const bool is_first = !(period_s_ > 0);
   const double since_s = scan.time_s - previous_time_s_;
@@ -47,7 +48,7 @@ void GraphSlam::noteScan(const robot::Scan& scan, bool has_odometry) {
 }
 
 /// After a scan was taken in.
-void GraphSlam::keepScan(const robot::Scan& scan) {
+void GraphSlam::keepScan(const lidar::Scan& scan) {
   for (auto& seen : seen_) seen.T_seen_robot = seen.T_seen_robot * T_previous_robot_;
   if (before_ < 0) {
     before_ = static_cast<int>(seen_.size());
@@ -58,7 +59,7 @@ void GraphSlam::keepScan(const robot::Scan& scan) {
 }
 
 /// The last scan of the lidar that made the one at hand; null without one that says anything.
-const Seen* GraphSlam::before() const {
+const keyframes::Seen* GraphSlam::before() const {
   if (before_ < 0 || seen_[static_cast<size_t>(before_)].scan.ranges_m.size() < 2) return nullptr;
   return &seen_[static_cast<size_t>(before_)];
 }
@@ -69,8 +70,8 @@ double GraphSlam::farthestMove() const {
   return std::min(kFastest_mps * period_s_, kFarthest_m);
 }
 
-Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has_odometry) const {
-  Prediction result;
+keyframes::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has_odometry) const {
+  keyframes::Prediction result;
   result.T_previous_robot = has_odometry ? T_previous_robot : T_previous_robot_;
   const Pose2& T = result.T_previous_robot;
   const double root = std::sqrt((mean_period_s_ > 0 ? mean_period_s_ : scanmatch::kNominalPeriod_s) /
@@ -87,7 +88,7 @@ Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has_odometry) 
 
 /// The robot's motion since the scan before, from this scan and the last one of its lidar alone; nothing
 /// where they leave it open.
-std::optional<Pose2> GraphSlam::motionFromScans(const robot::Scan& scan) const {
+std::optional<Pose2> GraphSlam::motionFromScans(const lidar::Scan& scan) const {
   if (before() == nullptr) return std::nullopt;
   odometry::ScanOdometryOptions options;
   options.max_turn_rad = std::clamp(kFastest_radps * period_s_, options.max_turn_rad, core::kPi);

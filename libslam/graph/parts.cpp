@@ -10,7 +10,7 @@ void GraphSlam::beginPart(int k) {
 }
 
 /// What follows from a loop that was accepted, before its poses do.
-void GraphSlam::noteLoop(const LoopCloser::Accepted& loop) {
+void GraphSlam::noteLoop(const loops::LoopCloser::Accepted& loop) {
   // What a loop ties to the rest needs no doubt.
   if (doubt_.begins > loop.old_keyframe && doubt_.begins <= loop.keyframe) endDoubt();
   if (!loop.joins) return;

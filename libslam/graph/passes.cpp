@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/matching.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 #include "libslam/scanmatch/information.h"
 
 /// What a scan measures of the keyframes around it, of each pass through the place by itself. Passes that do
@@ -56,18 +56,21 @@ void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matr
 /// Keyframe k matched to these alone, from where it lies; nothing where that is another place.
 std::optional<scanmatch::MatchResult> GraphSlam::matchToPass(int k, const std::vector<int>& pass,
                                                              const Pose2& T_map_robot) {
-  pass_map_.clear(core::position(T_map_robot), kMapReach_m);
+  pass_map_.clear(core::position(T_map_robot), keyframes::kMapReach_m);
   for (const int other : pass) pass_map_.add(map_->keyframe(other).points, map_->pose(other), other);
   scanmatch::PosePrior flat;
   flat.mean = T_map_robot;
   flat.information.setIdentity();
-  auto matched = alignToSurfels(map_->keyframe(k).points, pass_map_, T_map_robot, flat, matchOptions(10));
-  if (!isFollowed(matched.T_map_robot, T_map_robot)) return std::nullopt;
-  matched.information = toldInformation(map_->keyframe(k).points, pass_map_, matched.T_map_robot);
+  auto matched =
+      alignToSurfels(map_->keyframe(k).points, pass_map_, T_map_robot, flat, keyframes::matchOptions(10));
+  if (!keyframes::isFollowed(matched.T_map_robot, T_map_robot)) return std::nullopt;
+  matched.information = keyframes::toldInformation(map_->keyframe(k).points, pass_map_, matched.T_map_robot);
   if (matched.score >= options_.loop_confirm_score) return matched;
   // Of what lies beyond the pass nothing can be explained.
-  const double telling = std::min(
-      map_->toldBy(firstOf(pass, kAskedViewers), map_->keyframe(k).points, matched.T_map_robot).telling, 1.0);
+  const double telling = std::min(map_->toldBy(keyframes::firstOf(pass, keyframes::kAskedViewers),
+                                               map_->keyframe(k).points, matched.T_map_robot)
+                                      .telling,
+                                  1.0);
   if (telling < kLeastTelling || matched.score < options_.loop_confirm_score * telling) return std::nullopt;
   return matched;
 }

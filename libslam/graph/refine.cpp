@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/matching.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 #include "libslam/posegraph/optimize.h"
 
 namespace slam::graph {
@@ -11,7 +11,7 @@ namespace slam::graph {
 /// graph's edges, beside those of odometry and of loops, and all poses are found together. In the spirit of
 /// Ruhnke et al., ICRA 2011, with surfels for surfaces.
 void GraphSlam::refine() {
-  const auto match_options = matchOptions(10);
+  const auto match_options = keyframes::matchOptions(10);
   scanmatch::PosePrior flat;
   flat.information.setIdentity();
   scanmatch::SurfelMap map(options_.cell_m, options_.blur_m, true);
@@ -30,8 +30,8 @@ void GraphSlam::refine() {
       const core::Pose2& T = map_->pose(k);
       auto around = map_->keyframesAround(k, core::position(T), options_.map_path_m, options_.map_radius_m);
       around.erase(std::remove(around.begin(), around.end(), k), around.end());
-      around = firstOf(std::move(around), options_.map_keyframes);
-      map.clear(core::position(T), kMapReach_m);
+      around = keyframes::firstOf(std::move(around), options_.map_keyframes);
+      map.clear(core::position(T), keyframes::kMapReach_m);
       for (const int other : around) map.add(map_->keyframe(other).points, map_->pose(other));
       flat.mean = T;
       const auto matched = alignToSurfels(map_->keyframe(k).points, map, T, flat, match_options);
@@ -39,7 +39,8 @@ void GraphSlam::refine() {
       if (partners.empty()) continue;
       posegraph::Edge edge;
       edge.to = k;
-      const Eigen::Matrix3d told = toldInformation(map_->keyframe(k).points, map, matched.T_map_robot);
+      const Eigen::Matrix3d told =
+          keyframes::toldInformation(map_->keyframe(k).points, map, matched.T_map_robot);
       edge.information =
           scanmatch::edgeInformation(told, matched.T_map_robot.phi) / static_cast<double>(partners.size());
       for (const int partner : partners) {

@@ -8,8 +8,8 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/rigid_motion2.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/matching.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 
 namespace slam::graph {
 namespace {
@@ -53,7 +53,7 @@ double heldAgainst(const Pose2& T, const Pose2& T_odometry, double sigma_xy_m, d
 
 /// Makes the map that the next scan is matched to of the first of these.
 void GraphSlam::setMap(const std::vector<int>& near, const Point2& centre) {
-  map_keyframes_ = firstOf(near, options_.map_keyframes);
+  map_keyframes_ = keyframes::firstOf(near, options_.map_keyframes);
   map_->fill(maps_, map_keyframes_, centre);
 }
 
@@ -77,26 +77,26 @@ void GraphSlam::setMapNear(const Point2& centre) {
 std::optional<MatchResult> GraphSlam::recover(const std::vector<PatchPoint>& points, const Pose2& predicted,
                                               const Pose2& matched) const {
   Pose2 best = matched;
-  const double before = surfelScore(points, maps_.middle, matched, kKernel, 2);
+  const double before = surfelScore(points, maps_.middle, matched, keyframes::kKernel, 2);
   double best_score = before;
   for (int turn = -kLatticeTurns; turn <= kLatticeTurns; ++turn)
     for (int x = -kLatticeSteps; x <= kLatticeSteps; ++x)
       for (int y = -kLatticeSteps; y <= kLatticeSteps; ++y) {
         const Pose2 candidate{predicted.x + kLatticeStep_m * x, predicted.y + kLatticeStep_m * y,
                               predicted.phi + kLatticeTurn_rad * turn};
-        const double score = surfelScore(points, maps_.middle, candidate, kKernel, 2);
+        const double score = surfelScore(points, maps_.middle, candidate, keyframes::kKernel, 2);
         if (score > best_score) best_score = score, best = candidate;
       }
   if (!(best_score > before)) return std::nullopt;
   PosePrior weak;
   weak.mean = best;
   weak.information.diagonal() << 10, 10, 10;
-  return match(points, maps_, best, weak, 0, false);
+  return keyframes::match(points, maps_, best, weak, 0, false);
 }
 
 /// What is known of a scan's pose before it is matched.
-Expected GraphSlam::expect(const Pose2& T_previous_robot, bool has_odometry) const {
-  Expected e;
+keyframes::Expected GraphSlam::expect(const Pose2& T_previous_robot, bool has_odometry) const {
+  keyframes::Expected e;
   e.step = predict(T_previous_robot, has_odometry);
   e.has_odometry = has_odometry;
   const Pose2& increment = e.step.T_previous_robot;
@@ -109,12 +109,13 @@ Expected GraphSlam::expect(const Pose2& T_previous_robot, bool has_odometry) con
 }
 
 /// The start that explains most of a scan, odometry's unless another is better by more than kStartGain.
-Start GraphSlam::bestStart(const robot::Scan& scan, const std::vector<PatchPoint>& points,
-                           const Expected& e) const {
-  const double own = surfelScore(points, maps_.coarse, e.predicted, kKernel, kStride);
-  Start best{e.predicted, kStartGain};
+keyframes::Start GraphSlam::bestStart(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
+                                      const keyframes::Expected& e) const {
+  const double own = surfelScore(points, maps_.coarse, e.predicted, keyframes::kKernel, keyframes::kStride);
+  keyframes::Start best{e.predicted, kStartGain};
   const auto consider = [&](const Pose2& candidate) {
-    const double gain = surfelScore(points, maps_.coarse, candidate, kKernel, kStride) - own;
+    const double gain =
+        surfelScore(points, maps_.coarse, candidate, keyframes::kKernel, keyframes::kStride) - own;
     if (gain > best.gain) best = {candidate, gain};
   };
   consider(e.T_before * T_previous_robot_);
@@ -130,7 +131,7 @@ Start GraphSlam::bestStart(const robot::Scan& scan, const std::vector<PatchPoint
 
 /// Two scans along a corridor look like one: they do not tell how far the robot went, but the map may. Every
 /// place within reach, with the headings that the last motion and the two scans have.
-void GraphSlam::slide(const Expected& e, const Pose2& motion,
+void GraphSlam::slide(const keyframes::Expected& e, const Pose2& motion,
                       const std::function<void(const Pose2&)>& consider) const {
   const int steps = static_cast<int>(farthestMove() / kSlide_m);
   for (int x = -steps; x <= steps; ++x)
@@ -140,7 +141,7 @@ void GraphSlam::slide(const Expected& e, const Pose2& motion,
 }
 
 /// What odometry holds against a pose, in nats.
-double GraphSlam::unlikely(const Pose2& T, const Expected& e) const {
+double GraphSlam::unlikely(const Pose2& T, const keyframes::Expected& e) const {
   const auto by = [&](const Pose2& T_odometry) {
     return heldAgainst(T, T_odometry, e.step.sigma_xy_m, e.step.sigma_turn_rad);
   };
@@ -149,16 +150,17 @@ double GraphSlam::unlikely(const Pose2& T, const Expected& e) const {
 }
 
 /// How far the scan before contradicts a pose: from where that was matched, or where wheels have it.
-double GraphSlam::brokenAt(const Pose2& T, const std::vector<PatchPoint>& points, const Expected& e) const {
+double GraphSlam::brokenAt(const Pose2& T, const std::vector<PatchPoint>& points,
+                           const keyframes::Expected& e) const {
   const double matched = brokenBy(points, core::between(e.T_before, T));
   return by_wheels_ ? std::min(matched, brokenBy(points, core::between(*by_wheels_, T))) : matched;
 }
 
 /// Whether scan, map and the scan before say more for a match than odometry says against it.
 bool GraphSlam::isBetter(const MatchResult& other, const MatchResult& than, double least_gain,
-                         const std::vector<PatchPoint>& points, const Expected& e) const {
+                         const std::vector<PatchPoint>& points, const keyframes::Expected& e) const {
   const double against = unlikely(other.T_map_robot, e) - unlikely(than.T_map_robot, e);
-  const double least = std::max(least_gain, against / kNatsPerScan);
+  const double least = std::max(least_gain, against / keyframes::kNatsPerScan);
   const double gained = gain(points, other.T_map_robot, than.T_map_robot);
   const double less_broken = brokenAt(than.T_map_robot, points, e) - brokenAt(other.T_map_robot, points, e);
   if (other.score >= options_.recover_score) return gained + std::max(less_broken, 0.0) > least;
@@ -173,18 +175,19 @@ bool GraphSlam::isPoor(const MatchResult& result, const std::vector<PatchPoint>&
 }
 
 /// The best match of a scan to the map around, and whether odometry was dropped for it.
-std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
-                                                  const std::vector<PatchPoint>& points, const Expected& e) {
+std::pair<MatchResult, bool> GraphSlam::bestMatch(const lidar::Scan& scan,
+                                                  const std::vector<PatchPoint>& points,
+                                                  const keyframes::Expected& e) {
   const auto [T_step, sigma_xy, sigma_turn] = e.step;
-  const Start start = bestStart(scan, points, e);
+  const keyframes::Start start = bestStart(scan, points, e);
   PosePrior prior;
   prior.mean = e.predicted;
   prior.information = scanmatch::poseInformation(sigma_xy, sigma_turn);
-  MatchResult result = match(points, maps_, e.predicted, prior, options_.odometry_kernel, true);
+  MatchResult result = keyframes::match(points, maps_, e.predicted, prior, options_.odometry_kernel, true);
   bool distrusted = false;
   if (core::distance(result.T_map_robot, e.predicted) > kLetGo * sigma_xy) {
     // Odometry is let go for a better match only, not along a corridor that holds nothing.
-    const auto held = match(points, maps_, e.predicted, prior, 0, true);
+    const auto held = keyframes::match(points, maps_, e.predicted, prior, 0, true);
     const MatchResult free = std::exchange(result, held);
     if (isBetter(free, result, kStartGain, points, e)) result = free;
   }
@@ -195,7 +198,8 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
       elsewhere.mean = start.T_map_robot;
       elsewhere.information = scanmatch::poseInformation(3 * sigma_xy + 0.1, 3 * sigma_turn + 0.05);
     }
-    const auto other = match(points, maps_, start.T_map_robot, elsewhere, options_.odometry_kernel, true);
+    const auto other =
+        keyframes::match(points, maps_, start.T_map_robot, elsewhere, options_.odometry_kernel, true);
     if (isBetter(other, result, kStartGain, points, e)) {
       result = other;
       distrusted = contradicted;
@@ -214,10 +218,10 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
 }
 
 /// Matches a scan to the map around. Fills in its points and the information that they give, map axes.
-GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
+GraphSlam::Step GraphSlam::track(const lidar::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
                                  std::vector<PatchPoint>& points, Eigen::Matrix3d& information) {
-  points = pointsOf(scan, options_);
-  const Expected e = expect(T_previous_robot, has_odometry);
+  points = keyframes::pointsOf(scan, options_);
+  const keyframes::Expected e = expect(T_previous_robot, has_odometry);
   const auto [result, distrusted] = bestMatch(scan, points, e);
   const Pose2& T = result.T_map_robot;
   const bool is_poor = isPoor(result, points);
@@ -243,7 +247,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   step.T_map_robot = T;
   step.score = result.score;
   noteEvidence(points, T, maps_.fine);
-  information = toldInformation(evidence_);
+  information = keyframes::toldInformation(evidence_);
   if (has_odometry && !distrusted && !is_poor && !by_wheels_ && doubt_.begins < 0 && held_back_ == 0)
     learnScale(e, T, information, result.posterior_information);
   else
@@ -279,7 +283,7 @@ void GraphSlam::forgetWheels() {
 }
 
 /// How far the robot went beside how far odometry says.
-void GraphSlam::learnScale(const Expected& e, const Pose2& T, const Eigen::Matrix3d& information,
+void GraphSlam::learnScale(const keyframes::Expected& e, const Pose2& T, const Eigen::Matrix3d& information,
                            const Eigen::Matrix3d& posterior_information) {
   const Pose2& step = e.step.T_previous_robot;
   const auto [s, c] = core::sinCos(e.T_before.phi);

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::gridmap {
 
@@ -24,6 +24,6 @@ struct RayOptions {
 
 /// Beam i points exactly to scan.angle(i) in the lidar frame: n beams span n - 1 steps. A lost reading (NaN)
 /// says nothing, neither does one that is not positive.
-ScanRays scanRays(const robot::Scan& scan, const RayOptions& options);
+ScanRays scanRays(const lidar::Scan& scan, const RayOptions& options);
 
 }  // namespace slam::gridmap

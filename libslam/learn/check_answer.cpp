@@ -6,9 +6,10 @@
 #include <optional>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/manifest.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/student_folder.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::learn {
 namespace fs = std::filesystem;
@@ -22,7 +23,7 @@ double reachOf(const Lesson& lesson, double value, double times) {
 }
 
 Figures figuresOf(const Lesson& lesson, std::uint64_t student, core::Progress& progress) {
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   return recipeOf(lesson.options.recipe)({lesson, student, scratch.path(), progress});
 }
 
@@ -49,11 +50,11 @@ Verdict notANumber(const Lesson& lesson, const std::string& word) {
   std::string dotted = word;
   std::replace(dotted.begin(), dotted.end(), ',', '.');
   double number = 0;
-  if (core::parseNumber(dotted, number))
+  if (files::parseNumber(dotted, number))
     return unusable("not_a_number", shown, "Write the number with a point, not with a comma.");
   if (is_nan)
     return unusable("not_a_number", shown, "That is what a computer says to 0 / 0: look where you divide.");
-  if (core::parseNumber(core::trimmed(word.substr(0, word.find_first_of(" \t"))), number))
+  if (files::parseNumber(files::trimmed(word.substr(0, word.find_first_of(" \t"))), number))
     return unusable("not_a_number", shown, "Write the number alone, without a unit and without words.");
   return unusable("not_a_number", shown, "That is not a number. Write one number, such as 1.25.");
 }
@@ -63,8 +64,8 @@ std::optional<Verdict> judgeFiles(const StudentFolder& folder, const std::string
                                   const std::string& made) {
   for (const auto& [name, hash] : materialHashes(made)) {
     const std::string file = path + "/" + name;
-    if (fs::exists(file) && core::fileSha256(file) == hash) continue;
-    if (folder.version != core::versionText())
+    if (fs::exists(file) && resources::fileSha256(file) == hash) continue;
+    if (folder.version != resources::versionText())
       return unusable("other_version", name,
                       "The folder was made by rasterslam " + folder.version +
                           "; begin anew by 'rasterslam learn start'.");
@@ -87,7 +88,7 @@ std::optional<Verdict> judgeFiles(const StudentFolder& folder, const std::string
 Verdict checkNumber(const Lesson& lesson, std::uint64_t student, const std::string& word,
                     const Figures& figures, core::Progress& progress) {
   double found = 0;
-  if (!core::parseNumber(word, found)) return notANumber(lesson, word);
+  if (!files::parseNumber(word, found)) return notANumber(lesson, word);
   const auto verdict = judgeNumber(lesson, found, figures);
   if (verdict.kind != "wrong" || lesson.options.relative_tolerance + lesson.options.tolerance >= 0.1)
     return verdict;
@@ -121,7 +122,7 @@ Verdict checkFolder(const Lesson& lesson, const AnswerRequest& request, core::Pr
                            ", expected a folder that 'rasterslam learn start " +
                            std::to_string(lesson.options.number) + " --student NUMBER -o FOLDER' made");
   if (const auto verdict = findStudent(lesson, request, *folder)) return *verdict;
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   const auto figures = recipeOf(lesson.options.recipe)({lesson, folder->student, scratch.path(), progress});
   if (const auto verdict = judgeFiles(*folder, request.answer, scratch.path())) return *verdict;
   if (lesson.options.answer == "method")
@@ -134,7 +135,7 @@ Verdict checkFolder(const Lesson& lesson, const AnswerRequest& request, core::Pr
     return unusable("missing", "",
                     "There is no " + std::string(kAnswerFile) + " in " + request.answer +
                         ": write the number into it (the question stands in " + kTaskFile + ").");
-  return checkNumber(lesson, folder->student, core::trimmed(core::readTextFile(path)), figures, progress);
+  return checkNumber(lesson, folder->student, files::trimmed(files::readTextFile(path)), figures, progress);
 }
 
 }  // namespace
@@ -149,7 +150,7 @@ Verdict hinted(const Lesson& lesson, Finding finding, const std::string& hint, c
 }
 
 Verdict judgeNumber(const Lesson& lesson, double found, const Figures& figures) {
-  const std::string shown = core::formatNumber(found);
+  const std::string shown = files::formatNumber(found);
   if (isRight(lesson, found, figures)) return {Finding::kRight, "right", shown, ""};
   const Hint* nearest = nullptr;
   double least = 1;  // of the distance in reaches
@@ -168,7 +169,7 @@ Verdict judgeNumber(const Lesson& lesson, double found, const Figures& figures) 
 Verdict checkAnswer(const Lesson& lesson, const AnswerRequest& request, core::Progress& progress) {
   if (fs::is_directory(request.answer)) return checkFolder(lesson, request, progress);
   double number = 0;
-  const bool is_number = core::parseNumber(request.answer, number);
+  const bool is_number = files::parseNumber(request.answer, number);
   const bool is_path = request.answer.find('/') != std::string::npos || fs::exists(request.answer);
   if (lesson.options.answer != "number" || (!is_number && is_path))
     return unusable(
@@ -184,7 +185,7 @@ Verdict checkAnswer(const Lesson& lesson, const AnswerRequest& request, core::Pr
     throw core::InputError(
         "whose answer is it? Each student has another right one; expected --student NUMBER, or to be in the "
         "folder of 'learn start'");
-  return checkNumber(lesson, whose.student, core::trimmed(request.answer),
+  return checkNumber(lesson, whose.student, files::trimmed(request.answer),
                      figuresOf(lesson, whose.student, progress), progress);
 }
 

@@ -5,12 +5,13 @@
 #include <optional>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/core/middle_value.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/check_answer.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/trajectory_error.h"
+#include "libslam/resources/ini_yaml.h"
 #include "libslam/run/external_method.h"
 
 namespace slam::learn {
@@ -31,7 +32,7 @@ std::string methodIn(const std::string& folder) {
   }
   std::sort(paths.begin(), paths.end());
   for (const auto& path : paths)
-    if (run::isExternal(core::IniFile::load(path))) return path;
+    if (run::isExternal(resources::readConfigFile(path))) return path;
   return "";
 }
 
@@ -93,7 +94,7 @@ std::optional<std::string> hintFor(const Paths& paths) {
 }
 
 std::string percentOf(double share) {
-  return core::formatNumber(std::round(100 * share)) + " %";
+  return files::formatNumber(std::round(100 * share)) + " %";
 }
 
 }  // namespace
@@ -102,14 +103,14 @@ Verdict checkMethod(const Lesson& lesson, std::uint64_t student, const std::stri
                     core::Progress& progress) {
   const std::string ini_path = methodIn(folder);
   if (ini_path.empty()) return hinted(lesson, Finding::kUnusable, "missing");
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   const Place place{lesson, student, scratch.path(), progress};
   const auto plan = place.makePlan();
   const std::string log_path = scratch / "hidden.rawlog";
   record::record(plan, place.recordConfig(), place.seed() + kHidden, log_path, {}, progress);
 
   const std::string name = fs::path(ini_path).stem().string();
-  const auto config = run::withFixedFolder(core::IniFile::load(fs::absolute(ini_path).string()));
+  const auto config = run::withFixedFolder(resources::readConfigFile(fs::absolute(ini_path).string()));
   run::ExternalRun done;
   try {
     done = run::runExternalMethod(run::readExternalMethod(config), log_path, student, scratch / "work",

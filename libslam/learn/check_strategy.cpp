@@ -4,10 +4,10 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/manifest.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/check_answer.h"
 #include "libslam/process/measured_process.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/table/table.h"
 
 namespace slam::learn {
@@ -48,17 +48,17 @@ Run rowOf(const table::Table& table, const std::string& strategy) {
 }
 
 std::string rounded(double value) {
-  return core::formatNumber(static_cast<double>(static_cast<long long>(value * 10 + 0.5)) / 10);
+  return files::formatNumber(static_cast<double>(static_cast<long long>(value * 10 + 0.5)) / 10);
 }
 
 std::string lastLines(const std::string& printed) {
-  const std::string text = core::trimmed(printed);
+  const std::string text = files::trimmed(printed);
   return core::oneLine(text.size() > 200 ? text.substr(text.size() - 200) : text);
 }
 
 /// Whether the robot always took the last of the viewpoints: what the template does says so as its reason.
 bool isTemplate(const std::string& decisions_path) {
-  const std::string text = core::readTextFile(decisions_path);
+  const std::string text = files::readTextFile(decisions_path);
   return text.find("the farthest") != std::string::npos;
 }
 
@@ -77,19 +77,20 @@ Verdict checkStrategy(const Lesson& lesson, std::uint64_t student, const std::st
     }
   if (program.empty()) return hinted(lesson, Finding::kUnusable, "not_built");
 
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   const std::uint64_t hidden = student * 1000 + kHidden;
   const Place place{lesson, hidden, scratch.path(), progress};
   place.makePlan("plan.yaml");
   const auto* duration = lesson.ini.find("strategy_check", "duration_s");
-  const std::string line = core::shellQuoted({build + "/" + program, scratch / "plan.yaml", scratch / "out",
-                                              std::to_string(student), duration ? duration->value : "150"});
+  const std::string line =
+      resources::shellQuoted({build + "/" + program, scratch / "plan.yaml", scratch / "out",
+                              std::to_string(student), duration ? duration->value : "150"});
   const auto outcome = process::runMeasured(line, scratch.path(), {300, 4000}, progress);
   if (outcome.exit_code != 0 || !fs::exists(scratch / "out/runs.csv"))
     return hinted(lesson, Finding::kCrashed, "crashed",
                   program + " ended with exit code " + std::to_string(outcome.exit_code) + ": " +
                       lastLines(outcome.printed));
-  const auto table = table::fromCsv(core::readTextFile(scratch / "out/runs.csv"), "runs.csv");
+  const auto table = table::fromCsv(files::readTextFile(scratch / "out/runs.csv"), "runs.csv");
   const auto own = rowOf(table, program), nearest = rowOf(table, "nearest_frontier");
   const std::string found = program + ": " + rounded(own.coverage_percent) + " % seen, 90 % after " +
                             rounded(own.path90_m) + " m (nearest_frontier " + rounded(nearest.path90_m) +

@@ -5,11 +5,11 @@
 #include <optional>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/check_answer.h"
 #include "libslam/learn/student_folder.h"
-#include "libslam/study/run_figures.h"
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/run_figures.h"
+#include "libslam/summary/sweep_groups.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/sweep/suite.h"
 #include "libslam/sweep/sweep_plan.h"
@@ -35,13 +35,13 @@ std::optional<Pairs> pairsOf(const sweep::SweepPlan& plan, const std::string& fo
     if (run.method != kDefault && run.method != kOther) continue;
     const auto cell = sweep::readCell(folder + "/cells/" + run.id, run.id);
     if (cell.kind != sweep::CellState::kComplete || cell.result.status != "ok") return std::nullopt;
-    (run.method == kDefault ? first : second)[run.log] = study::figureOf(cell.result, "ate_final_m");
+    (run.method == kDefault ? first : second)[run.log] = summary::figureOf(cell.result, "ate_final_m");
   }
   Pairs pairs;
   std::vector<std::string> settings;
   for (std::size_t i = 0; i < logs; ++i) {
     if (!first[i] || !second[i]) return std::nullopt;
-    const std::string key = study::settingKey(plan.logs[i]);
+    const std::string key = summary::settingKey(plan.logs[i]);
     auto known = std::find(settings.begin(), settings.end(), key);
     if (known == settings.end()) known = settings.insert(settings.end(), key);
     pairs.first.push_back(*first[i]), pairs.second.push_back(*second[i]);
@@ -86,7 +86,7 @@ Verdict checkSweep(const Lesson& lesson, std::uint64_t student, const std::strin
     return hinted(lesson, Finding::kWrong, "incomplete", std::to_string(plan.runs.size()) + " runs");
 
   const std::string path = folder + "/" + kAnswerFile;
-  const std::string word = fs::exists(path) ? core::trimmed(core::readTextFile(path)) : "";
+  const std::string word = fs::exists(path) ? files::trimmed(files::readTextFile(path)) : "";
   if (word != "better" && word != "worse" && word != "no difference")
     return hinted(lesson, Finding::kUnusable, "not_a_verdict", core::oneLine(word, 60));
   const double p = stats::wilcoxonSignedRank(pairs->second, pairs->first, pairs->settings).p;
@@ -94,7 +94,7 @@ Verdict checkSweep(const Lesson& lesson, std::uint64_t student, const std::strin
       stats::probabilityOfImprovement(pairs->second, pairs->first, stats::Better::kSmaller).value;
   const std::string truth = p >= kAlpha ? "no difference" : share > 0.5 ? "better" : "worse";
   const std::string found = word + " (" + std::to_string(pairs->first.size()) +
-                            " pairs, p = " + core::formatNumber(std::round(p * 1e4) / 1e4) + ")";
+                            " pairs, p = " + files::formatNumber(std::round(p * 1e4) / 1e4) + ")";
   if (word == truth) return {Finding::kRight, "right", found, ""};
   if (truth == "no difference") return hinted(lesson, Finding::kWrong, "not_significant", found);
   return hinted(lesson, Finding::kWrong, word == "no difference" ? "overlooked" : "wrong_way", found);

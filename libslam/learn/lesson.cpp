@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <charconv>
 
-#include "libslam/core/data_folder.h"
 #include "libslam/core/error.h"
-#include "libslam/core/manifest.h"
-#include "libslam/core/resources.h"
+#include "libslam/resources/data_folder.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/manifest.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::learn {
 namespace {
@@ -14,11 +15,11 @@ namespace {
 constexpr std::uint64_t kMostStudents = 1000000, kSeedsPerStudent = 100;
 const std::string kHint = "hint ";
 
-Hint readHint(const core::IniFile& ini, const std::string& section) {
+Hint readHint(const files::IniFile& ini, const std::string& section) {
   Hint hint;
   hint.name = section.substr(kHint.size());
   for (const auto& [key, entry] : ini.sections().at(section)) {
-    const bool is_number = key == "times" && core::parseNumber(entry.value, hint.times);
+    const bool is_number = key == "times" && files::parseNumber(entry.value, hint.times);
     if (key == "of")
       hint.figure = entry.value;
     else if (key == "say")
@@ -34,8 +35,8 @@ Hint readHint(const core::IniFile& ini, const std::string& section) {
 Lesson readLesson(const std::string& folder, const std::string& name) {
   Lesson lesson;
   lesson.name = name;
-  lesson.ini = core::IniFile::load(folder + "/" + name + ".ini");
-  core::readParameters(lesson.ini, LessonOptions::table(), lesson.options);
+  lesson.ini = resources::readConfigFile(folder + "/" + name + ".ini");
+  files::readParameters(lesson.ini, LessonOptions::table(), lesson.options);
   for (const auto& [section, entries] : lesson.ini.sections())
     if (section.compare(0, kHint.size(), kHint) == 0) lesson.hints.push_back(readHint(lesson.ini, section));
   return lesson;
@@ -43,9 +44,9 @@ Lesson readLesson(const std::string& folder, const std::string& name) {
 
 }  // namespace
 
-const core::ParameterTable<LessonOptions>& LessonOptions::table() {
+const files::ParameterTable<LessonOptions>& LessonOptions::table() {
   using O = LessonOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "lesson", {{"number", &O::number, 0, 0, 1000, "counts from 1"},
                  {"minutes", &O::minutes, 15, 1, 600, "for a student"},
                  {"title", &O::title, "", {}, "of the lesson"},
@@ -66,7 +67,8 @@ LessonOptions::LessonOptions() {
 
 std::vector<Lesson> readLessons(const std::string& folder) {
   std::vector<Lesson> lessons;
-  for (const auto& name : core::namesInFolder(folder, ".ini")) lessons.push_back(readLesson(folder, name));
+  for (const auto& name : resources::namesInFolder(folder, ".ini"))
+    lessons.push_back(readLesson(folder, name));
   std::sort(lessons.begin(), lessons.end(),
             [](const Lesson& a, const Lesson& b) { return a.options.number < b.options.number; });
   for (std::size_t i = 0; i < lessons.size(); ++i)
@@ -78,11 +80,11 @@ std::vector<Lesson> readLessons(const std::string& folder) {
 }
 
 std::vector<Lesson> readLessons() {
-  return readLessons(core::configsFolder() + "/lessons");
+  return readLessons(resources::configsFolder() + "/lessons");
 }
 
 std::string pagesFolder() {
-  return core::findData(core::dataPlaces(), core::versionText()).lessons;
+  return resources::findData(resources::dataPlaces(), resources::versionText()).lessons;
 }
 
 const Lesson& findLesson(const std::vector<Lesson>& lessons, const std::string& word) {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::learn {
 
@@ -17,7 +17,7 @@ struct LessonOptions {
   double relative_tolerance;  ///< the same as a share of the right number; the larger one counts
   std::string wrong;          ///< said of a wrong answer that no hint knows
   LessonOptions();
-  static const core::ParameterTable<LessonOptions>& table();
+  static const files::ParameterTable<LessonOptions>& table();
 };
 
 /// A wrong answer that is known, of a section [hint NAME].
@@ -34,7 +34,7 @@ struct Lesson {
   std::string name;  ///< "01-lidar": of its .ini, and of its page NAME.md in pagesFolder()
   LessonOptions options;
   std::vector<Hint> hints;
-  core::IniFile ini;  ///< the rest is for the recipe
+  files::IniFile ini;  ///< the rest is for the recipe
 };
 
 /// All lessons in the order of their numbers. Errors: InputError with file and line for what is wrong in one

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/record/generated_world.h"
 
 namespace slam::learn {
@@ -24,8 +24,8 @@ constexpr Entry kRecipes[] = {{"standing_lidar", standingLidar},
                               {"only_plan", onlyPlan},
                               {"claimed_methods", claimedMethods}};
 
-core::IniFile sectionsOf(const core::IniFile& ini, const std::vector<std::string>& names) {
-  core::IniFile result;
+files::IniFile sectionsOf(const files::IniFile& ini, const std::vector<std::string>& names) {
+  files::IniFile result;
   for (const auto& name : names)
     if (const auto section = ini.sections().find(name); section != ini.sections().end())
       for (const auto& [key, entry] : section->second) result.set(name, key, entry.value, entry.origin);
@@ -53,8 +53,8 @@ world::Plan Place::makePlan(const std::string& name) const {
   return plan;
 }
 
-core::Manifest Place::manifest() const {
-  core::Manifest manifest;
+resources::Manifest Place::manifest() const {
+  resources::Manifest manifest;
   manifest.files["run.plan.yaml"] = "the plan that the robot drove in";
   return manifest;
 }
@@ -77,7 +77,7 @@ void writeNumbers(const std::string& path, const std::vector<std::string>& names
     }
     text += '\n';
   }
-  core::writeFileAtomically(path, text);
+  files::writeFileAtomically(path, text);
 }
 
 }  // namespace slam::learn

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/manifest.h"
 #include "libslam/core/progress.h"
 #include "libslam/learn/lesson.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/world/plan.h"
 
 namespace slam::learn {
@@ -30,7 +30,7 @@ struct Place {
   /// and its picture. The usual name is where a log's plan is looked for (manifest()).
   world::Plan makePlan(const std::string& name = "run.plan.yaml") const;
   /// For the log's recording.
-  core::Manifest manifest() const;
+  resources::Manifest manifest() const;
   /// Of the lesson's sections of a simulation.
   record::RecordConfig recordConfig() const;
 };

@@ -6,13 +6,13 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/recipes.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/posegraph/optimize.h"
+#include "libslam/rays/ray_caster.h"
 #include "libslam/robot/odometry_noise.h"
-#include "libslam/world/ray_caster.h"
 
 namespace slam::learn {
 namespace {
@@ -49,10 +49,10 @@ struct WatchedCell {
 };
 
 /// What a whole scan says, its n beams `step_rad` apart from the first angle on.
-int look(const WatchedCell& cell, const robot::Scan& scan, double step_rad) {
+int look(const WatchedCell& cell, const lidar::Scan& scan, double step_rad) {
   int seen = kNothing;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i)
-    if (robot::isReturn(scan.ranges_m[i]))
+    if (lidar::isReturn(scan.ranges_m[i]))
       seen = std::max(seen, cell.look(scan.first_angle_rad + static_cast<double>(i) * step_rad,
                                       static_cast<double>(scan.ranges_m[i])));
   return seen;
@@ -86,7 +86,7 @@ Figures gridCell(const Place& place) {
                          [&](const sim::Sensed&) {
                            return record::Order({0, 0, 1 / config.lidar.rate_hz});
                          });
-  std::vector<robot::Scan> scans;
+  std::vector<lidar::Scan> scans;
   logs::LogReader log(place.log());
   while (const auto entry = log.next()) scans.push_back(entry->scan);
   core::RandomStream random(place.seed(), "lesson");
@@ -105,7 +105,7 @@ Figures gridCell(const Place& place) {
   } best;
   for (std::size_t beam = first.ranges_m.size() * 2 / 3; beam < first.ranges_m.size(); ++beam) {
     const double angle = first.angle(beam),
-                 range_m = world::castRay(plan, core::position(start), start.phi + angle, 0);
+                 range_m = rays::castRay(plan, core::position(start), start.phi + angle, 0);
     if (!(range_m > 1.5 && range_m < 7)) continue;
     const WatchedCell cell({(range_m + 0.005) * core::cos(angle), (range_m + 0.005) * core::sin(angle)});
     CellCounts exact, squeezed;
@@ -157,9 +157,9 @@ Figures particleWeights(const Place& place) {
       const auto pose = start * drift;
       double of_all = 0, of_some = 0;
       for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-        if (!robot::isReturn(scan.ranges_m[i])) continue;
+        if (!lidar::isReturn(scan.ranges_m[i])) continue;
         const double expected_m =
-            world::castRay(plan, core::position(pose), pose.phi + scan.angle(i), scan.max_range_m);
+            rays::castRay(plan, core::position(pose), pose.phi + scan.angle(i), scan.max_range_m);
         const double error = std::clamp(
             (static_cast<double>(scan.ranges_m[i]) - std::min(expected_m, scan.max_range_m)) / kSigma_m, -3.0,
             3.0);
@@ -268,7 +268,7 @@ Figures poseGraph(const Place& place) {
 Figures claimedMethods(const Place& place) {
   place.makePlan("plan.yaml");
   const std::string first = std::to_string(place.student * 100 + 1);
-  core::writeFileAtomically(
+  files::writeFileAtomically(
       place.file("claim.ini"),
       "# The claim: of the two methods that is better which ends nearer to the truth on "
       "this one drive.\n"

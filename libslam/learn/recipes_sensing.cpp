@@ -5,14 +5,14 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/recipes.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/rays/ray_caster.h"
 #include "libslam/record/user_drive.h"
 #include "libslam/sim/operation_log.h"
-#include "libslam/world/ray_caster.h"
 
 namespace slam::learn {
 namespace {
@@ -24,15 +24,15 @@ core::Pose2 placeFacingAWall(const world::Plan& plan, const record::RecordConfig
   auto start = record::startPose(plan, config);
   for (int draw = 0; draw < 1000; ++draw) {
     start.phi = core::degToRad(static_cast<double>(random.below(360)) - 180);
-    const double range_m = world::castRay(plan, core::position(start), start.phi, 0);
+    const double range_m = rays::castRay(plan, core::position(start), start.phi, 0);
     if (range_m > least_m && range_m < most_m) break;
   }
   return start;
 }
 
 std::string poseText(const core::Pose2& pose) {
-  return core::formatNumber(pose.x) + "," + core::formatNumber(pose.y) + "," +
-         core::formatNumber(std::round(core::radToDeg(pose.phi)));
+  return files::formatNumber(pose.x) + "," + files::formatNumber(pose.y) + "," +
+         files::formatNumber(std::round(core::radToDeg(pose.phi)));
 }
 
 /// Of the true path: how far the robot has turned in all, whole turns counted, and how far it has driven.
@@ -61,14 +61,14 @@ Figures standingLidar(const Place& place) {
   logs::LogReader log(place.log());
   while (const auto entry = log.next()) {
     const float range_m = entry->scan.ranges_m[entry->scan.ranges_m.size() / 2];
-    const double written_m = robot::isReturn(range_m) ? static_cast<double>(range_m) : 0;
+    const double written_m = lidar::isReturn(range_m) ? static_cast<double>(range_m) : 0;
     rows.push_back({static_cast<double>(rows.size()), written_m});
     sum += written_m;
     most = std::max(most, written_m);
     if (written_m > 0) least = std::min(least, written_m);
   }
   writeNumbers(place.file("ahead.csv"), {"scan", "range_m"}, rows);
-  const double truth_m = world::castRay(plan, core::position(start), start.phi, 0);
+  const double truth_m = rays::castRay(plan, core::position(start), start.phi, 0);
   return {{"answer", truth_m},
           {"mean_with_lost", sum / static_cast<double>(rows.size())},
           {"least", least},
@@ -114,7 +114,7 @@ Figures scanDifference(const Place& place) {
   const std::string path = place.file("run.operations.txt");
   std::vector<std::vector<double>> rows;
   double turns = 0, wrong = 0, wrong_unwrapped = 0, wrong_turned_round = 0, all_wrong_moves = 0;
-  for (const auto& operation : sim::parseOperations(core::readTextFile(path), path)) {
+  for (const auto& operation : sim::parseOperations(files::readTextFile(path), path)) {
     if (operation.kind != 't') {
       ++all_wrong_moves;
       continue;

@@ -3,8 +3,10 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/manifest.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::learn {
 namespace fs = std::filesystem;
@@ -29,7 +31,7 @@ std::string lessonText(const Lesson& lesson, std::uint64_t student,
                        const std::map<std::string, std::string>& files) {
   std::string text = "# Whose folder this is; rasterslam learn check reads it.\n[lesson]\nnumber = " +
                      std::to_string(lesson.options.number) + "\nstudent = " + std::to_string(student) +
-                     "\nversion = " + core::versionText() + "\n\n[files]\n";
+                     "\nversion = " + resources::versionText() + "\n\n[files]\n";
   for (const auto& [name, hash] : files) text += name + " = " + hash + "\n";
   return text;
 }
@@ -42,7 +44,7 @@ std::string questionText(const Lesson& lesson, const Figures& figures) {
     if (key == "answer") continue;
     const std::string mark = "{" + key + "}";
     for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark))
-      text.replace(at, mark.size(), core::formatNumber(value));
+      text.replace(at, mark.size(), files::formatNumber(value));
   }
   return text;
 }
@@ -52,7 +54,7 @@ std::map<std::string, std::string> materialHashes(const std::string& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     const bool has_times = name.find("manifest.json") != std::string::npos;
-    if (entry.is_regular_file() && !has_times) hashes[name] = core::fileSha256(entry.path().string());
+    if (entry.is_regular_file() && !has_times) hashes[name] = resources::fileSha256(entry.path().string());
   }
   return hashes;
 }
@@ -61,18 +63,18 @@ void startLesson(const Lesson& lesson, std::uint64_t student, const std::string&
                  core::Progress& progress) {
   if (fs::exists(output))
     throw core::InputError(output + ": exists and may hold an answer, expected a new folder");
-  core::PendingFolder folder(output, false);
+  files::PendingFolder folder(output, false);
   const auto figures = recipeOf(lesson.options.recipe)({lesson, student, folder.path(), progress});
   const auto files = materialHashes(folder.path());
-  core::writeFileAtomically(folder.path() + "/" + kTaskFile, taskText(lesson, student, figures, files));
-  core::writeFileAtomically(folder.path() + "/" + kLessonFile, lessonText(lesson, student, files));
+  files::writeFileAtomically(folder.path() + "/" + kTaskFile, taskText(lesson, student, figures, files));
+  files::writeFileAtomically(folder.path() + "/" + kLessonFile, lessonText(lesson, student, files));
   folder.commit();
 }
 
 std::optional<StudentFolder> readStudentFolder(const std::string& folder) {
   const std::string path = folder + "/" + kLessonFile;
   if (!fs::exists(path)) return std::nullopt;
-  const auto ini = core::IniFile::load(path);
+  const auto ini = resources::readConfigFile(path);
   const auto value = [&](const std::string& key) {
     const auto* entry = ini.find("lesson", key);
     if (!entry) throw core::InputError(path + ": section [lesson]: key '" + key + "' is missing");
@@ -80,7 +82,7 @@ std::optional<StudentFolder> readStudentFolder(const std::string& folder) {
   };
   StudentFolder read;
   double number = 0;
-  if (!core::parseNumber(value("number"), number))
+  if (!files::parseNumber(value("number"), number))
     throw core::InputError(path + ": key 'number': found '" + value("number") +
                            "', expected a lesson's number");
   read.lesson = static_cast<int>(number);

@@ -6,13 +6,14 @@
 #include <map>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
-#include "libslam/core/resources.h"
-#include "libslam/core/word_list.h"
-#include "libslam/explore/goal_methods.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/files/files.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/word_list.h"
+#include "libslam/reach/goal_methods.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/manifest.h"
+#include "libslam/resources/resources.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::learn {
 namespace fs = std::filesystem;
@@ -21,7 +22,7 @@ namespace {
 constexpr std::size_t kLongestName = 40;
 
 std::string templatesFolder() {
-  return core::configsFolder() + "/templates";
+  return resources::configsFolder() + "/templates";
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -30,33 +31,33 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string valueOf(const core::IniFile& ini, const std::string& section, const std::string& key) {
+std::string valueOf(const files::IniFile& ini, const std::string& section, const std::string& key) {
   const auto* entry = ini.find(section, key);
   if (!entry)
     throw core::InputError("templates.ini: section [" + section + "]: key '" + key + "' is missing");
   return entry->value;
 }
 
-core::IniFile templatesIni() {
-  return core::IniFile::load(templatesFolder() + "/templates.ini");
+files::IniFile templatesIni() {
+  return resources::readConfigFile(templatesFolder() + "/templates.ini");
 }
 
-std::vector<TemplateKind> kindsOf(const core::IniFile& ini) {
+std::vector<TemplateKind> kindsOf(const files::IniFile& ini) {
   std::vector<TemplateKind> kinds;
   for (const auto& [section, entries] : ini.sections())
     if (section != "names")
       kinds.push_back({section, valueOf(ini, section, "meaning"),
-                       core::namesIn(valueOf(ini, section, "languages"), ',')});
+                       files::namesIn(valueOf(ini, section, "languages"), ',')});
   return kinds;
 }
 
 std::vector<std::string> takenNames(const std::string& what) {
-  if (what == "strategies") return navigate::strategyNames();
-  if (what == "navigators") return explore::goalMethodNames();
-  return core::namesInFolder(core::configsFolder() + "/methods", ".ini");
+  if (what == "strategies") return strategies::strategyNames();
+  if (what == "navigators") return reach::goalMethodNames();
+  return resources::namesInFolder(resources::configsFolder() + "/methods", ".ini");
 }
 
-void requireName(const core::IniFile& ini, const TemplateRequest& request) {
+void requireName(const files::IniFile& ini, const TemplateRequest& request) {
   const std::string& name = request.name;
   const bool is_name = !name.empty() && name.size() <= kLongestName && name[0] >= 'a' && name[0] <= 'z' &&
                        std::all_of(name.begin(), name.end(), [](char c) {
@@ -66,7 +67,7 @@ void requireName(const core::IniFile& ini, const TemplateRequest& request) {
     throw core::InputError("name: found '" + name +
                            "', expected small letters, digits and _, a letter first, " +
                            std::to_string(kLongestName) + " at most");
-  const auto reserved = core::namesIn(valueOf(ini, "names", "reserved"), ' ');
+  const auto reserved = files::namesIn(valueOf(ini, "names", "reserved"), ' ');
   if (std::find(reserved.begin(), reserved.end(), name) != reserved.end())
     throw core::InputError("name: found '" + name + "', a reserved word, expected another one");
   const auto taken = takenNames(valueOf(ini, request.kind, "taken"));
@@ -98,7 +99,7 @@ void copyFilled(const std::string& from, const std::string& to, const Words& wor
   if (!fs::is_directory(from)) return;
   for (const auto& entry : fs::directory_iterator(from)) {
     const std::string name = filledIn(entry.path().filename().string(), words);
-    core::writeFileAtomically(to + "/" + name, filledIn(core::readTextFile(entry.path().string()), words));
+    files::writeFileAtomically(to + "/" + name, filledIn(files::readTextFile(entry.path().string()), words));
     files.push_back(name);
   }
 }
@@ -111,12 +112,12 @@ std::vector<TemplateKind> templateKinds() {
 
 std::string className(const std::string& name) {
   std::string result;
-  for (const auto& part : core::namesIn(name, '_'))
+  for (const auto& part : files::namesIn(name, '_'))
     result += static_cast<char>(std::toupper(static_cast<unsigned char>(part[0]))) + part.substr(1);
   return result;
 }
 
-std::string libraryFolder(const core::DataPlaces& places) {
+std::string libraryFolder(const resources::DataPlaces& places) {
   const std::string& build = places.build_folder;
   if (!build.empty() && places.code.compare(0, build.size() + 1, build + "/") == 0) return build;
   return fs::path(places.code).parent_path().parent_path().string();
@@ -138,17 +139,17 @@ MadeFolder makeFromTemplate(const TemplateRequest& request) {
   const Words words = {{"@name@", request.name},
                        {"@Name@", className(request.name)},
                        {"@rasterslam@", request.library},
-                       {"@version@", core::versionText()}};
+                       {"@version@", resources::versionText()}};
   MadeFolder made;
   made.path = request.output.empty() ? request.name : request.output;
   if (fs::exists(made.path))
     throw core::InputError(made.path + ": exists and may hold somebody's work, expected a new folder");
-  core::PendingFolder folder(made.path, false);
+  files::PendingFolder folder(made.path, false);
   copyFilled(templatesFolder() + "/" + kind->name + "/" + language, folder.path(), words, made.files);
   copyFilled(templatesFolder() + "/shared/" + language, folder.path(), words, made.files);
   std::sort(made.files.begin(), made.files.end());
   folder.commit();
-  for (const auto& line : core::namesIn(valueOf(ini, kind->name, "next_" + language), ';')) {
+  for (const auto& line : files::namesIn(valueOf(ini, kind->name, "next_" + language), ';')) {
     std::string text = line;
     for (std::size_t at = text.find("@name@"); at != std::string::npos; at = text.find("@name@", at)) {
       const char before = at == 0 ? ' ' : text[at - 1];

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/data_folder.h"
+#include "libslam/resources/data_folder.h"
 
 namespace slam::learn {
 
@@ -38,7 +38,7 @@ MadeFolder makeFromTemplate(const TemplateRequest& request);
 
 /// Where a project finds the library that came with a program: the build folder of a program that lies in it,
 /// else the prefix that it is installed under.
-std::string libraryFolder(const core::DataPlaces& places);
+std::string libraryFolder(const resources::DataPlaces& places);
 
 /// "wall_hugger" -> "WallHugger".
 std::string className(const std::string& name);

@@ -5,9 +5,9 @@
 #include <sstream>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/word_list.h"
-#include "libslam/core/word_wrap.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/word_list.h"
+#include "libslam/files/word_wrap.h"
 
 namespace slam::learn {
 namespace {
@@ -52,7 +52,7 @@ std::string bulletOf(const std::string& line) {
 }
 
 std::vector<std::string> cellsOf(const std::string& line) {
-  return core::splitAt(line.substr(1), '|');
+  return files::splitAt(line.substr(1), '|');
 }
 
 bool isRule(const std::string& line) {
@@ -73,7 +73,7 @@ class Page {
       text_ += line.empty() ? "\n" : "    " + line + "\n";
     } else if (startsWith(line, "<!--")) {
       flush();
-    } else if (core::trimmed(line).empty()) {
+    } else if (files::trimmed(line).empty()) {
       flush();
     } else if (startsWith(line, "#")) {
       flush();
@@ -88,9 +88,9 @@ class Page {
     } else if (!bulletOf(line).empty()) {
       flush(false);
       bullet_ = bulletOf(line);
-      paragraph_ = core::trimmed(line.substr(bullet_.size()));
+      paragraph_ = files::trimmed(line.substr(bullet_.size()));
     } else {
-      paragraph_ += (paragraph_.empty() ? "" : " ") + core::trimmed(line);
+      paragraph_ += (paragraph_.empty() ? "" : " ") + files::trimmed(line);
     }
   }
 
@@ -103,15 +103,15 @@ class Page {
  private:
   void heading(const std::string& line) {
     const auto level = line.find_first_not_of('#');
-    const std::string title = plain(core::trimmed(line.substr(level)), folder_);
-    text_ += title + "\n" + std::string(core::letters(title), level == 1 ? '=' : '-') + "\n\n";
+    const std::string title = plain(files::trimmed(line.substr(level)), folder_);
+    text_ += title + "\n" + std::string(files::letters(title), level == 1 ? '=' : '-') + "\n\n";
   }
 
   /// ends: with an empty line behind.
   void flush(bool ends = true) {
     if (!paragraph_.empty()) {
       text_ += wrappedText(plain(paragraph_, folder_), columns_, bullet_,
-                           std::string(core::letters(bullet_), ' '));
+                           std::string(files::letters(bullet_), ' '));
       if (ends || bullet_.empty()) text_ += "\n";
     }
     paragraph_.clear();
@@ -124,14 +124,15 @@ class Page {
     std::vector<std::size_t> widths(table_.front().size(), 0);
     for (const auto& row : table_)
       for (std::size_t c = 0; c < std::min(row.size(), widths.size()); ++c)
-        widths[c] = std::max(widths[c], core::letters(row[c]));
+        widths[c] = std::max(widths[c], files::letters(row[c]));
     std::size_t before = 0;  // all columns but the last, which may be broken
     for (std::size_t c = 0; c + 1 < widths.size(); ++c) before += widths[c] + 2;
     const bool fits = before + 24 <= columns_;
     for (std::size_t r = 0; r < table_.size(); ++r) {
       std::string first;
       for (std::size_t c = 0; c + 1 < table_[r].size(); ++c)
-        first += table_[r][c] + (fits ? std::string(widths[c] + 2 - core::letters(table_[r][c]), ' ') : ": ");
+        first +=
+            table_[r][c] + (fits ? std::string(widths[c] + 2 - files::letters(table_[r][c]), ' ') : ": ");
       text_ += wrappedText(table_[r].back(), columns_, first, std::string(fits ? before : 4, ' '));
       if (r == 0 && fits) text_ += std::string(std::min(before + widths.back(), columns_), '-') + "\n";
     }
@@ -150,7 +151,7 @@ class Page {
 std::string wrappedText(const std::string& text, std::size_t columns, const std::string& first,
                         const std::string& indent) {
   std::string result;
-  for (const auto& line : core::wrapped(text, columns, first, indent)) result += line + "\n";
+  for (const auto& line : files::wrapped(text, columns, first, indent)) result += line + "\n";
   return result;
 }
 

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::live {
 
@@ -53,7 +53,7 @@ void Playback::began() {
 std::string Playback::text() const {
   if (paused_) return "paused";
   if (speed_ == 0) return "as fast as it goes";
-  return core::formatNumber(speed_) + " x real time";
+  return files::formatNumber(speed_) + " x real time";
 }
 
 }  // namespace slam::live

@@ -14,7 +14,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kEventShown_s = 2;
 constexpr double kStrategicShown_m = 2;  // of a direction: what is farther away decides nothing
 
-bool isSame(const navigate::Decision& a, const navigate::Decision& b) {
+bool isSame(const choices::Decision& a, const choices::Decision& b) {
   return a.turn_rad == b.turn_rad && a.distance_m == b.distance_m && a.reason == b.reason &&
          a.path.size() == b.path.size() && a.goal.x == b.goal.x && a.goal.y == b.goal.y;
 }
@@ -97,7 +97,7 @@ void SnapshotMaker::setStrategicView(double stop_radius_m, std::vector<double> d
   strategic_rad_ = std::move(directions_rad);
 }
 
-void SnapshotMaker::lookStrategically(const robot::Scan& scan) {
+void SnapshotMaker::lookStrategically(const lidar::Scan& scan) {
   if (!now_.strategic) return;
   now_.strategic->projected.clear();
   for (const double direction_rad : strategic_rad_) {
@@ -110,7 +110,7 @@ void SnapshotMaker::lookStrategically(const robot::Scan& scan) {
     if (scan.ranges_m.empty() || aside(nearest) > scan.step_rad) continue;  // out of the field of view
     const double range_m = scan.ranges_m[nearest];
     const double shown_m =
-        robot::isReturn(scan.ranges_m[nearest]) ? std::min(range_m, kStrategicShown_m) : kStrategicShown_m;
+        lidar::isReturn(scan.ranges_m[nearest]) ? std::min(range_m, kStrategicShown_m) : kStrategicShown_m;
     const double angle_rad = scan.angle(nearest);
     now_.strategic->projected.push_back(scan.T_robot_lidar * core::polar(shown_m, angle_rad));
   }

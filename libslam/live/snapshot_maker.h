@@ -43,7 +43,7 @@ class SnapshotMaker {
   void lookAround(const record::Step& step);
   void followDecision(const record::Step& step);
   void takeTruth(const record::Step& step);
-  void lookStrategically(const robot::Scan& scan);
+  void lookStrategically(const lidar::Scan& scan);
 
   viewer::Snapshot now_;  ///< all but what snapshot() asks the method for
   core::Trajectory online_, known_truth_;
@@ -51,7 +51,7 @@ class SnapshotMaker {
   obstacles::LocalObstacleOptions zone_;
   obstacles::SectorOptions sector_;
   obstacles::LocalObstacleMap around_;
-  std::optional<navigate::Decision> decision_;
+  std::optional<choices::Decision> decision_;
   core::Pose2 T_map_decided_;  ///< where the robot took it
   std::string note_;
   std::vector<double> strategic_rad_;

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/live/command_line.h"
 #include "libslam/live/robot_drag.h"
 
@@ -266,7 +266,7 @@ class LiveWindow {
     if (line_.isOpen()) return line_.refusal().empty() ? line_.text() : line_.refusal();
     if (drag_.held()) return "in your hand; Shift turns it";
     if (!refusal_.empty()) return refusal_;
-    const std::string share = core::formatNumber(100 * keys_.share) + " % speed";
+    const std::string share = files::formatNumber(100 * keys_.share) + " % speed";
     return text == "paused" || text == "finished" ? text : "arrows drive at " + share;
   }
 

@@ -14,12 +14,12 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/logs/log_motion.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
+#include "libslam/rawlogs/log_motion.h"
 
 namespace slam::logs {
 namespace {
@@ -96,7 +96,7 @@ class Counter {
   /// The object's stamp in seconds since the first one, for progress.
   double take(const mrpt::serialization::CSerializable& object) {
     if (const auto* actions = dynamic_cast<const CActionCollection*>(&object)) {
-      report_.odometry_readings += incrementOf(*actions) ? 1 : 0;
+      report_.odometry_readings += rawlogs::incrementOf(*actions) ? 1 : 0;
     } else if (const auto* frame = dynamic_cast<const CSensoryFrame*>(&object)) {
       for (const auto& observation : *frame) takeObservation(*observation);
     } else if (const auto* observation = dynamic_cast<const CObservation*>(&object)) {
@@ -152,7 +152,7 @@ std::string logStem(const std::string& path) {
 
 ConversionReport convertLog(const std::string& in, const std::string& out, const LogConversion& conversion,
                             core::Progress& progress) {
-  core::refuseToOverwrite(out, conversion.overwrite);
+  files::refuseToOverwrite(out, conversion.overwrite);
   ConversionReport report;
   report.from = detectLogFormat(in);
   auto sieve = std::make_unique<Sieve>(openLog(in), conversion.label);
@@ -160,7 +160,8 @@ ConversionReport convertLog(const std::string& in, const std::string& out, const
   std::unique_ptr<objects::ObjectSource> source = std::move(sieve);
   const bool is_rawlog = conversion.to == LogFormat::kRawlog;
   if (!is_rawlog || conversion.form)
-    source = inForm(std::move(source), is_rawlog ? *conversion.form : RawlogForm::kObservationOnly, in);
+    source = rawlogs::inForm(std::move(source),
+                             is_rawlog ? *conversion.form : rawlogs::RawlogForm::kObservationOnly, in);
   const auto sink = createLog(out, conversion.to);
   Counter counter(report);
   progress.begin("converting to " + std::string(formatName(conversion.to)));
@@ -181,7 +182,7 @@ ConversionReport convertLog(const std::string& in, const std::string& out, const
   if (!sieved.truth.empty()) {
     sortByTime(sieved.truth);
     const std::string tum = logStem(out) + ".truth.tum", mrpt = out + ".GT.txt";
-    for (const auto& path : {tum, mrpt}) core::refuseToOverwrite(path, conversion.overwrite);
+    for (const auto& path : {tum, mrpt}) files::refuseToOverwrite(path, conversion.overwrite);
     writeTum(sieved.truth, tum);
     writeMrptGroundTruth(sieved.truth, mrpt);
     report.files.insert(report.files.end(), {tum, mrpt});
@@ -193,7 +194,7 @@ ConversionReport convertLog(const std::string& in, const std::string& out, const
 std::size_t exportTrajectory(const std::string& in, LogPath path, const std::string& label,
                              const std::string& out, TrajectoryWriter::Format format, bool overwrite,
                              core::Progress& progress) {
-  core::refuseToOverwrite(out, overwrite);
+  files::refuseToOverwrite(out, overwrite);
   core::Trajectory trajectory;
   const auto since_start = [&trajectory] { return trajectory.back().time_s - trajectory.front().time_s; };
   progress.begin("reading the " + std::string(path == LogPath::kTruth ? "truth" : "odometry"));

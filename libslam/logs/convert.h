@@ -7,9 +7,9 @@
 
 #include "libslam/core/progress.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/logs/rawlog_form.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/objects/object_stream.h"
+#include "libslam/rawlogs/rawlog_form.h"
 
 namespace slam::logs {
 
@@ -21,7 +21,7 @@ struct LogConversion {
   LogFormat to = LogFormat::kRawlog;
   /// Of kRawlog. Other formats know observations only. None: the observations of a log that has no actions,
   /// and each object as it comes of one that has.
-  std::optional<RawlogForm> form;
+  std::optional<rawlogs::RawlogForm> form;
   std::string label;  ///< keep only the scans of this lidar; "" keeps all
   bool overwrite = false;
 };

@@ -25,7 +25,7 @@ const SeenScan* firstOf(const std::vector<SeenScan>& seen, const std::string& la
 
 double periodOf(const std::vector<SeenScan>& seen, const std::string& label) {
   std::vector<double> periods_s;
-  const robot::Scan* last = nullptr;
+  const lidar::Scan* last = nullptr;
   for (const auto& [scan, tilt_rad] : seen) {
     if (scan->lidar != label) continue;
     if (last != nullptr) periods_s.push_back(scan->scan.time_s - last->time_s);
@@ -38,7 +38,7 @@ double periodOf(const std::vector<SeenScan>& seen, const std::string& label) {
 /// disagree; else 0.
 double disagreement(const std::vector<SeenScan>& seen, const std::string& main, const std::string& label) {
   std::vector<double> later_s;
-  const robot::Scan* last = nullptr;
+  const lidar::Scan* last = nullptr;
   for (const auto& [scan, tilt_rad] : seen) {
     if (scan->lidar == main) last = &scan->scan;
     if (scan->lidar == label && last != nullptr) later_s.push_back(scan->scan.time_s - last->time_s);
@@ -62,11 +62,11 @@ bool areAtOnePlace(const core::Pose2& a, const core::Pose2& b) {
 }
 
 /// True when most returns of one are, beam by beam, those of the other.
-bool repeats(const robot::Scan& a, const robot::Scan& b) {
+bool repeats(const lidar::Scan& a, const lidar::Scan& b) {
   if (a.ranges_m.size() != b.ranges_m.size()) return false;
   size_t returns = 0, same = 0;
   for (size_t i = 0; i < a.ranges_m.size(); ++i) {
-    if (!robot::isReturn(a.ranges_m[i])) continue;
+    if (!lidar::isReturn(a.ranges_m[i])) continue;
     ++returns;
     same += a.ranges_m[i] == b.ranges_m[i];
   }

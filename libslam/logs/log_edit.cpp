@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_steps.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
@@ -97,7 +97,7 @@ class ObservationFilter {
       const double aperture_rad = *options_.step_rad * static_cast<double>(std::max<size_t>(readings, 1) - 1);
       if (aperture_rad > 2 * core::kPi + 1e-6)
         throw core::InputError(path_ + ": " + std::to_string(readings) + " readings " +
-                               core::formatNumber(core::radToDeg(*options_.step_rad)) +
+                               files::formatNumber(core::radToDeg(*options_.step_rad)) +
                                " deg apart go round more than once, expected at most 360 deg");
       scan.aperture = static_cast<float>(aperture_rad);
     }

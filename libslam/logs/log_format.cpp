@@ -2,8 +2,8 @@
 
 #include "libslam/bags/ros_logs.h"
 #include "libslam/core/error.h"
-#include "libslam/logs/carmen_log.h"
-#include "libslam/logs/rawlog_stream.h"
+#include "libslam/rawlogs/carmen_log.h"
+#include "libslam/rawlogs/rawlog_stream.h"
 
 namespace slam::logs {
 namespace {
@@ -29,16 +29,16 @@ const std::vector<LogFormatInfo>& logFormats() {
        "MRPT rawlog",
        "rawlog",
        {".rawlog"},
-       looksLikeRawlog,
-       [](Text path) -> Source { return std::make_unique<RawlogObjects>(path); },
-       [](Text path) -> Sink { return std::make_unique<RawlogSink>(path); }},
+       rawlogs::looksLikeRawlog,
+       [](Text path) -> Source { return std::make_unique<rawlogs::RawlogObjects>(path); },
+       [](Text path) -> Sink { return std::make_unique<rawlogs::RawlogSink>(path); }},
       {LogFormat::kCarmen,
        "CARMEN log",
        "carmen",
        {".clf", ".carmen", ".log"},
-       [](Text start) { return looksLikeCarmen(start); },
-       [](Text path) -> Source { return std::make_unique<CarmenObjects>(path); },
-       [](Text path) -> Sink { return createCarmenLog(path); }},
+       [](Text start) { return rawlogs::looksLikeCarmen(start); },
+       [](Text path) -> Source { return std::make_unique<rawlogs::CarmenObjects>(path); },
+       [](Text path) -> Sink { return rawlogs::createCarmenLog(path); }},
       {LogFormat::kRos1Bag,
        "ROS 1 bag",
        "bag",
@@ -71,7 +71,7 @@ const char* formatName(LogFormat format) {
 }
 
 LogFormat detectLogFormat(const std::string& path) {
-  UnpackingStream stream(path);
+  rawlogs::UnpackingStream stream(path);
   constexpr size_t kEnough = 1 << 16;  // for the remarks before a CARMEN log's first message
   const std::string start = stream.peek(kEnough);
   if (!start.empty())
@@ -80,7 +80,7 @@ LogFormat detectLogFormat(const std::string& path) {
   // Nothing in a file that is not empty is a packed log without entries, or damage that the reader of rawlogs
   // describes.
   if (start.empty() && stream.fileBytes() > 0) return LogFormat::kRawlog;
-  requireUndamaged(path);
+  rawlogs::requireUndamaged(path);
   throw core::InputError(path + (start.empty() ? ": is empty" : ": is no log: it starts with other data") +
                          ", expected an MRPT rawlog, a CARMEN log, a ROS 1 bag, a ROS 2 bag (.db3) or MCAP");
 }

@@ -11,11 +11,11 @@
 namespace slam::logs {
 namespace {
 
-double fieldOfView(const robot::Scan& scan) {
+double fieldOfView(const lidar::Scan& scan) {
   return static_cast<double>(scan.ranges_m.size() - 1) * scan.step_rad;
 }
 
-void takeGeometry(const robot::Scan& scan, LogInfo& info) {
+void takeGeometry(const lidar::Scan& scan, LogInfo& info) {
   info.beams = static_cast<int>(scan.ranges_m.size());
   info.fov_rad = fieldOfView(scan);
   info.step_rad = scan.step_rad;
@@ -23,7 +23,7 @@ void takeGeometry(const robot::Scan& scan, LogInfo& info) {
   info.T_robot_lidar = scan.T_robot_lidar;
 }
 
-bool hasGeometry(const robot::Scan& scan, const LogInfo& info) {
+bool hasGeometry(const lidar::Scan& scan, const LogInfo& info) {
   const auto& mount = scan.T_robot_lidar;
   return static_cast<int>(scan.ranges_m.size()) == info.beams && scan.step_rad == info.step_rad &&
          scan.max_range_m == info.max_range_m && mount.x == info.T_robot_lidar.x &&
@@ -60,7 +60,7 @@ LogInfo inspectLog(const std::string& path) {
     info.odometry_length_m += core::hypot(entry->T_previous_robot.x, entry->T_previous_robot.y);
     readings += scan.ranges_m.size();
     for (const float range_m : scan.ranges_m) {
-      no_returns += range_m == robot::kNoReturn;
+      no_returns += range_m == lidar::kNoReturn;
       lost += std::isnan(range_m);
     }
   }

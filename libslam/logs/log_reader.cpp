@@ -14,14 +14,14 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/logs/lidar_choice.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/logs/log_motion.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/objects/sweep_note.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/rawlogs/log_motion.h"
 
 namespace slam::logs {
 namespace {
@@ -37,7 +37,7 @@ constexpr double kSameMoment_s = 1e-3;
 /// A scan of whichever lidar with the motion since the scan before it, of whichever lidar.
 struct Step {
   LidarScan seen;
-  Motion motion;
+  rawlogs::Motion motion;
   std::uint64_t frame = 0;  ///< which frame it came in; 0: none
   double tilt_rad = 0;
 };
@@ -79,7 +79,7 @@ class StepReader {
 
   void takeActions(const CActionCollection& actions) {
     for (const auto& action : actions) noteStamp(action->timestamp);
-    const auto increment = incrementOf(actions);
+    const auto increment = rawlogs::incrementOf(actions);
     if (!increment) return;
     requireFinite(*increment);
     ++counts_.odometry_readings;
@@ -140,7 +140,7 @@ class StepReader {
     Step step;
     step.seen.lidar = observation.sensorLabel;
     try {
-      step.seen.scan = robot::fromMrpt(observation);
+      step.seen.scan = lidar::fromMrpt(observation);
     } catch (const core::InputError& error) {
       fail(error.what());
     }
@@ -149,7 +149,7 @@ class StepReader {
       step.seen.sweep = sweep->second;
     step.frame = frame_;
     step.tilt_rad = core::acos(std::clamp(observation.sensorPose.getRotationMatrix()(2, 2), -1.0, 1.0));
-    step.motion = std::exchange(motion_, Motion{});
+    step.motion = std::exchange(motion_, rawlogs::Motion{});
     ready_.push_back(std::move(step));
   }
 
@@ -169,10 +169,10 @@ class StepReader {
   std::string path_;
   std::unique_ptr<objects::ObjectSource> objects_;
   LogCounts counts_;
-  Motion motion_;
+  rawlogs::Motion motion_;
   bool has_actions_ = false;  ///< an action with an increment was met: bare readings count no more
-  BareOdometry bare_odometry_;
-  std::map<std::string, robot::Sweep> sweeps_;     ///< by label, as stated so far
+  rawlogs::BareOdometry bare_odometry_;
+  std::map<std::string, lidar::Sweep> sweeps_;     ///< by label, as stated so far
   std::uint64_t frames_ = 0, frame_ = 0;           ///< how many; the one at work
   std::int64_t newest_ticks_ = objects::kNoStamp;  ///< of an action or odometry reading
   std::deque<Step> ready_;
@@ -229,7 +229,7 @@ struct LogReader::State {
 
   LogEntry toEntry(Step&& step) {
     LogEntry entry;
-    const Motion since_last = std::exchange(motion, Motion{});
+    const rawlogs::Motion since_last = std::exchange(motion, rawlogs::Motion{});
     if (is_first) {
       entry.has_odometry = since_last.has_reading;
     } else {
@@ -248,7 +248,7 @@ struct LogReader::State {
     return entry;
   }
 
-  void dropImpossible(const std::string& label, std::optional<robot::Sweep>& sweep) const {
+  void dropImpossible(const std::string& label, std::optional<lidar::Sweep>& sweep) const {
     if (std::find(no_sweep.begin(), no_sweep.end(), label) != no_sweep.end()) sweep.reset();
   }
 
@@ -294,7 +294,7 @@ struct LogReader::State {
   std::vector<std::string> no_sweep;  ///< lidars whose stated sweep cannot be
   std::deque<Step> ahead;
   std::exception_ptr error_ahead;
-  Motion motion;  ///< since the last entry
+  rawlogs::Motion motion;  ///< since the last entry
   bool is_first = true;
   core::Pose2 T_odom_robot;
 };

@@ -7,26 +7,26 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/robot/deskew.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/deskew.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::logs {
 
 /// A scan of one of several lidars.
 struct LidarScan {
   std::string lidar;  ///< its sensor label
-  robot::Scan scan;
-  std::optional<robot::Sweep> sweep;  ///< as the log states it (sweep_note.h)
+  lidar::Scan scan;
+  std::optional<lidar::Sweep> sweep;  ///< as the log states it (sweep_note.h)
 };
 
 /// One scan with the odometry that belongs to it.
 struct LogEntry {
-  robot::Scan scan;
+  lidar::Scan scan;
   core::Pose2 T_odom_robot;      ///< accumulated odometry at the scan, starting at the identity
   core::Pose2 T_previous_robot;  ///< its increment since the entry before (identity for the first)
   bool has_odometry = false;     ///< false: the log gave none for this step, the two above do not move
   std::string lidar = {};        ///< sensor label of `scan`
-  std::optional<robot::Sweep> sweep = {};  ///< of `scan`, as the log states it
+  std::optional<lidar::Sweep> sweep = {};  ///< of `scan`, as the log states it
   std::vector<LidarScan> others = {};  ///< what other lidars saw at that moment; only where several are read
 };
 
@@ -78,7 +78,7 @@ struct LogCounts {
 /// offset in the (compressed) file and the number of good entries (LogCounts::entries) before it, which
 /// next() gives first; a note of a sweep that is none; lidars named together whose stamps disagree as above;
 /// corrupt: with the same, where a packed log is checked whole before its first entry and the number is an
-/// estimate; no scan of the named label (then with the labels that are there); a scan that robot::fromMrpt
+/// estimate; no scan of the named label (then with the labels that are there); a scan that lidar::fromMrpt
 /// refuses, or odometry that is not finite: with the number of the entry. The checksum comes first because
 /// MRPT's parsers may crash on damaged bytes; a plain log has none, nor has one that is cut: there damage
 /// shows only where it breaks the structure. What nobody can tell: a plain log that was cut exactly between

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_format.h"
 
 namespace slam::logs {
@@ -47,7 +47,7 @@ std::int64_t ticksOf(const CSerializable& object) {
 
 StepReader::StepReader(const std::string& path) {
   if (detectLogFormat(path) == LogFormat::kRawlog) {
-    auto rawlog = std::make_unique<RawlogObjects>(path);
+    auto rawlog = std::make_unique<rawlogs::RawlogObjects>(path);
     rawlog_ = rawlog.get();
     source_ = std::move(rawlog);
   } else {

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_edit.h"
-#include "libslam/logs/rawlog_stream.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
+#include "libslam/rawlogs/rawlog_stream.h"
 
 namespace slam::logs {
 
@@ -47,7 +47,7 @@ class StepReader {
  private:
   static void setTime(LogStep& step);
   std::unique_ptr<objects::ObjectSource> source_;
-  const RawlogObjects* rawlog_ = nullptr;
+  const rawlogs::RawlogObjects* rawlog_ = nullptr;
   std::vector<LogObject> waiting_;  ///< actions before their frame
 };
 
@@ -83,8 +83,8 @@ class StepWriter {
   void serialize(const mrpt::serialization::CSerializable& object);
   std::optional<ComposedActions> dropped_;
   std::string path_;
-  core::PendingFile pending_;
-  PackingStream stream_;
+  files::PendingFile pending_;
+  rawlogs::PackingStream stream_;
   EditCounts counts_;
 };
 

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/logs/rawlog_stream.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/sweep_note.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/rawlogs/rawlog_stream.h"
 
 namespace slam::logs {
 namespace {
@@ -27,9 +27,9 @@ std::vector<mrpt::obs::CObservation::Ptr> observationsOf(const LogEntry& entry,
                                                          std::map<std::string, std::string>& notes) {
   std::vector<mrpt::obs::CObservation::Ptr> scans, news;
   const auto ticks = objects::mrptTicks(entry.scan.time_s);
-  const auto add = [&](const std::string& lidar, const robot::Scan& scan,
-                       const std::optional<robot::Sweep>& sweep) {
-    auto observation = robot::toMrpt(scan);
+  const auto add = [&](const std::string& lidar, const lidar::Scan& scan,
+                       const std::optional<lidar::Sweep>& sweep) {
+    auto observation = lidar::toMrpt(scan);
     observation->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(objects::mrptTicks(scan.time_s)));
     if (!lidar.empty()) observation->sensorLabel = lidar;
     scans.push_back(observation);
@@ -77,17 +77,18 @@ void requireWritable(const LogEntry& entry) {
 }  // namespace
 
 struct LogWriter::State {
-  RawlogSink sink;
-  RawlogForm form;
+  rawlogs::RawlogSink sink;
+  rawlogs::RawlogForm form;
   std::map<std::string, std::string> sweep_notes = {};  ///< the last by label
 };
 
-LogWriter::LogWriter(const std::string& path, RawlogForm form) : state_(new State{RawlogSink(path), form}) {}
+LogWriter::LogWriter(const std::string& path, rawlogs::RawlogForm form)
+    : state_(new State{rawlogs::RawlogSink(path), form}) {}
 LogWriter::~LogWriter() = default;
 
 void LogWriter::write(const LogEntry& entry) {
   requireWritable(entry);
-  if (state_->form == RawlogForm::kActionFrame)
+  if (state_->form == rawlogs::RawlogForm::kActionFrame)
     writeActionAndFrame(entry, state_->sweep_notes, state_->sink);
   else
     writeObservations(entry, state_->sweep_notes, state_->sink);

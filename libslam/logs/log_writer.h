@@ -3,7 +3,7 @@
 #include <string>
 
 #include "libslam/logs/log_reader.h"
-#include "libslam/logs/rawlog_form.h"
+#include "libslam/rawlogs/rawlog_form.h"
 
 namespace slam::logs {
 
@@ -20,7 +20,7 @@ namespace slam::logs {
 /// beams, odometry that is not finite, a stamp that mrptTicks() refuses, use after close().
 class LogWriter {
  public:
-  LogWriter(const std::string& path, RawlogForm form);
+  LogWriter(const std::string& path, rawlogs::RawlogForm form);
   ~LogWriter();
   void write(const LogEntry& entry);
   void close();

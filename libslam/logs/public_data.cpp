@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/json_entry.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/json_entry.h"
 
 namespace slam::logs {
 namespace {
@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 constexpr std::array<const char*, 4> kKinds = {"log", "plan", "collection", "pose graph"};
 
 PublicData readEntry(const Json& json, const std::string& where) {
-  core::JsonEntry entry(json, where);
+  resources::JsonEntry entry(json, where);
   PublicData data;
   data.name = entry.text("name");
   data.kind = entry.text("kind");
@@ -44,7 +44,7 @@ PublicData readEntry(const Json& json, const std::string& where) {
 }  // namespace
 
 PublicDataTable readPublicData(const std::string& path) {
-  const auto json = Json::parse(core::readTextFile(path), nullptr, false);
+  const auto json = Json::parse(files::readTextFile(path), nullptr, false);
   if (!json.is_object() || !json.contains("note") || !json["note"].is_string() || !json.contains("data") ||
       !json["data"].is_array())
     throw core::InputError(path + ": expected an object with a text 'note' and a list 'data'");

@@ -26,9 +26,9 @@ struct PublicDataTable {
   std::vector<PublicData> data;
 };
 
-/// Reads datasets/public_data.json, which comes with the program (core::publicDataFile()), and looks which of
-/// `installed` are here. Errors: InputError with the path, and the entry and key that is missing, unknown or
-/// of another type; an unknown kind; a name used twice.
+/// Reads datasets/public_data.json, which comes with the program (resources::publicDataFile()), and looks
+/// which of `installed` are here. Errors: InputError with the path, and the entry and key that is missing,
+/// unknown or of another type; an unknown kind; a name used twice.
 PublicDataTable readPublicData(const std::string& path);
 
 }  // namespace slam::logs

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/core/fixed_number.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::logs {
 namespace {
@@ -20,7 +20,7 @@ core::Relation parseLine(const std::string& line, const std::string& where) {
   std::vector<double> values;
   for (std::string word; words >> word;) {
     double value = 0;
-    if (!core::parseNumber(word, value))
+    if (!files::parseNumber(word, value))
       throw core::InputError(where + ": found '" + word + "', expected a finite number");
     values.push_back(value);
   }
@@ -33,7 +33,7 @@ core::Relation parseLine(const std::string& line, const std::string& where) {
 }  // namespace
 
 core::Relations readRelations(const std::string& path) {
-  std::istringstream text(core::readTextFile(path));
+  std::istringstream text(files::readTextFile(path));
   core::Relations relations;
   int number = 0;
   for (std::string line; std::getline(text, line);) {
@@ -49,7 +49,7 @@ core::Relations readRelations(const std::string& path) {
 
 void writeRelations(const core::Relations& relations, const std::string& path) {
   if (relations.empty()) throw core::ContractError("writeRelations: no relation");
-  core::GrowingFile file(path);
+  files::GrowingFile file(path);
   for (const auto& [from_s, to_s, T] : relations) {
     if (!std::isfinite(from_s) || !std::isfinite(to_s) || !core::isFinite(T))
       throw core::ContractError("writeRelations: a number that is not finite");

@@ -9,7 +9,7 @@ namespace slam::logs {
 /// line `t1 t2 x y z roll pitch yaw`, the pose of t2 seen from t1, in seconds, metres and radians. z, roll
 /// and pitch are dropped. Blank lines and lines that start with # are passed over; no locale. Errors
 /// (InputError with file:line): another number of columns, a number that is malformed or not finite, no
-/// relation at all; and those of core::readTextFile().
+/// relation at all; and those of files::readTextFile().
 core::Relations readRelations(const std::string& path);
 
 /// The text that reads back to the same but for the sixth decimal. REQUIRES finite numbers and at least one

@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "libslam/core/csv.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/fixed_number.h"
+#include "libslam/files/csv.h"
 
 namespace slam::logs {
 namespace {
@@ -65,7 +65,7 @@ std::string_view trimmed(std::string_view text) {
 /// fields: memory that is used again.
 std::vector<double> parseCsvNumbers(std::string_view text, const std::string& path, size_t line,
                                     std::vector<std::string>& fields) {
-  core::CsvReader(text, path, static_cast<int>(line)).next(fields);
+  files::CsvReader(text, path, static_cast<int>(line)).next(fields);
   std::vector<double> values;
   values.reserve(fields.size());
   for (const auto& field : fields) values.push_back(parseFinite(trimmed(field), path, line));
@@ -85,7 +85,7 @@ bool isCsvHeader(std::string_view content, const std::string& path, size_t line)
 
 /// The lines with numbers; blank lines and those that start with # (TUM) or % (MRPT) are passed over.
 std::vector<Line> readLines(const std::string& path) {
-  const std::string text = core::readTextFile(path);
+  const std::string text = files::readTextFile(path);
   std::vector<Line> lines;
   size_t number = 0;
   bool is_csv = false, has_header = false;

@@ -1,15 +1,15 @@
 #pragma once
 #include <string>
 
-#include "libslam/core/files.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/files.h"
 
 namespace slam::logs {
 
 /// Trajectories as text. Readers pass over blank lines and lines that start with # or %; they take equal
 /// stamps but none that runs back, and know no locale. Errors (InputError with file:line): too few or too
 /// many numbers, a number that is malformed or not finite, stamps that run back, a quaternion of length 0; no
-/// pose at all; and those of core::readTextFile.
+/// pose at all; and those of files::readTextFile.
 /// Writers give the same bytes for the same poses and leave a whole file or none. REQUIRES at least one pose,
 /// finite numbers, stamps that do not run back (ContractError). Errors: IoError with the path.
 
@@ -35,7 +35,7 @@ class TrajectoryWriter {
   void close();
 
  private:
-  core::GrowingFile file_;
+  files::GrowingFile file_;
   Format format_;
   bool is_first_ = true;
   core::Pose2 start_;

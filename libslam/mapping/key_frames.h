@@ -3,13 +3,13 @@
 #include <vector>
 
 #include "libslam/gridmap/occupancy_raster.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::mapping {
 
 /// A scan and where it is seen from.
 struct KeyFrame {
-  robot::Scan scan;
+  lidar::Scan scan;
   core::Pose2 T_map_robot;
 };
 

@@ -24,7 +24,7 @@ struct MapBuilder::State {
   StepHistory history;
   std::uint64_t steps = 0;
   double time_s = 0;                   ///< of the last step, as the method saw it
-  std::optional<robot::Sweep> sweep;   ///< of the scans to come, as told
+  std::optional<lidar::Sweep> sweep;   ///< of the scans to come, as told
   std::vector<SweptScan> told_others;  ///< addScans(), for the next step
 };
 
@@ -42,9 +42,9 @@ double growingTime(double time_s, double last_time_s, bool is_first) {
 }
 
 /// The scans of the other lidars at this step, deskewed.
-std::vector<robot::Scan> takeOthers(MapBuilder::State& state, const core::Pose2& T_previous_robot,
+std::vector<lidar::Scan> takeOthers(MapBuilder::State& state, const core::Pose2& T_previous_robot,
                                     bool has_odometry) {
-  std::vector<robot::Scan> others;
+  std::vector<lidar::Scan> others;
   for (auto& told : std::exchange(state.told_others, {})) {
     auto corrected =
         state.deskewer.deskewed(state.history, told.scan, told.sweep, T_previous_robot, has_odometry);
@@ -55,7 +55,7 @@ std::vector<robot::Scan> takeOthers(MapBuilder::State& state, const core::Pose2&
 
 }  // namespace
 
-MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed) {
+MapBuilder makeMapBuilder(const files::IniFile& config, const std::string& name, std::uint64_t seed) {
   const MethodConfig read = readMethodConfig(config);
   MapBuilder method;
   method.name = name;
@@ -95,7 +95,7 @@ void continueMap(MapBuilder& method, const std::string& simplemap_path,
   method.state->history.T_map_robot = T_map_robot.value_or(core::Pose2{});
 }
 
-std::vector<graph::PartPlace> joinMaps(MapBuilder& method, const std::vector<std::string>& simplemap_paths,
+std::vector<loops::PartPlace> joinMaps(MapBuilder& method, const std::vector<std::string>& simplemap_paths,
                                        core::Progress& progress) {
   const auto joins = [](const methods::MethodType& one) { return one.joins_maps; };
   if (!method.state->type.joins_maps)
@@ -115,7 +115,7 @@ void setCommands(MapBuilder& method, std::vector<robot::Commanded> commands) {
   method.state->motions.setCommands(std::move(commands));
 }
 
-void setSweep(MapBuilder& method, const std::optional<robot::Sweep>& sweep) {
+void setSweep(MapBuilder& method, const std::optional<lidar::Sweep>& sweep) {
   method.state->sweep = sweep;
 }
 
@@ -123,15 +123,15 @@ SweptScans sweptScans(const MapBuilder& method) {
   return method.state->deskewer.counts();
 }
 
-core::Pose2 processScan(MapBuilder& method, const robot::Scan& raw_scan, const core::Pose2& T_previous_robot,
+core::Pose2 processScan(MapBuilder& method, const lidar::Scan& raw_scan, const core::Pose2& T_previous_robot,
                         bool has_odometry, const robot::Commanded& commanded) {
   MapBuilder::State& state = *method.state;
   state.motions.noteCommand(commanded, state.steps, T_previous_robot, has_odometry);
-  const std::optional<robot::Scan> corrected =
+  const std::optional<lidar::Scan> corrected =
       state.deskewer.deskewed(state.history, raw_scan, state.sweep, T_previous_robot, has_odometry);
-  const std::vector<robot::Scan> others = takeOthers(state, T_previous_robot, has_odometry);
+  const std::vector<lidar::Scan> others = takeOthers(state, T_previous_robot, has_odometry);
   state.history.last_had_odometry = has_odometry;
-  const robot::Scan& scan = corrected ? *corrected : raw_scan;
+  const lidar::Scan& scan = corrected ? *corrected : raw_scan;
   state.time_s = growingTime(scan.time_s, state.time_s, state.steps == 0);
   try {
     const methods::StepMotion motion =

@@ -6,18 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
 #include "libslam/core/journal.h"
-#include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
-#include "libslam/graph/part_place.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 #include "libslam/gridmap/occupancy_raster.h"
+#include "libslam/lidar/deskew.h"
+#include "libslam/lidar/scan.h"
+#include "libslam/loops/part_place.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/mapping/scan_deskewer.h"
-#include "libslam/robot/deskew.h"
 #include "libslam/robot/motion_kind.h"
-#include "libslam/robot/scan.h"
 
 namespace slam::graph {
 class GraphSlam;
@@ -36,7 +36,7 @@ struct MapBuilder {
   std::string type;      ///< one of methodTypes()
   std::string odometry;  ///< which increments it is fed: [method] odometry
   std::string lidars;    ///< whose scans it wants: [method] lidars
-  std::vector<core::ParameterReport> parameters;
+  std::vector<files::ParameterReport> parameters;
   std::unique_ptr<methods::SlamMethod> method;
 
   struct State;
@@ -45,7 +45,7 @@ struct MapBuilder {
 
 /// Makes a method from its .ini (configs/methods/NAME.ini; sections as methodSections() has them). Errors:
 /// readMethodConfig()'s. Nothing is printed, whatever MRPT would like to say.
-MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed);
+MapBuilder makeMapBuilder(const files::IniFile& config, const std::string& name, std::uint64_t seed);
 
 /// The method as MRPT's programs know one; lives as long as it.
 mrpt::slam::CMetricMapBuilder& mrptBuilder(const MapBuilder& method);
@@ -62,7 +62,7 @@ void continueMap(MapBuilder& method, const std::string& simplemap_path,
 /// in each other, joined where that is proved, and refined together, in the frame of the first. One place for
 /// each map after the first; of a map that has none (is_joined) the key frames stay far away, and the result
 /// is of no use. REQUIRES two maps at least, and that no scan was processed. Errors: as continueMap().
-std::vector<graph::PartPlace> joinMaps(MapBuilder& method, const std::vector<std::string>& simplemap_paths,
+std::vector<loops::PartPlace> joinMaps(MapBuilder& method, const std::vector<std::string>& simplemap_paths,
                                        core::Progress& progress);
 
 /// What the robot was told to do before each scan to come, the first included: for processScan() where it is
@@ -71,15 +71,15 @@ void setCommands(MapBuilder& method, std::vector<robot::Commanded> commands);
 
 /// How the scans to come are swept, by whoever measures them; nullopt (at first): all beams at once, or
 /// nobody knows. [method] sweep_s comes before it.
-void setSweep(MapBuilder& method, const std::optional<robot::Sweep>& sweep);
+void setSweep(MapBuilder& method, const std::optional<lidar::Sweep>& sweep);
 
 /// What became of the scans so far.
 SweptScans sweptScans(const MapBuilder& method);
 
 /// A scan and how it was swept, as setSweep().
 struct SweptScan {
-  robot::Scan scan;
-  std::optional<robot::Sweep> sweep;
+  lidar::Scan scan;
+  std::optional<lidar::Sweep> sweep;
 };
 /// What other lidars saw at the moment of the next scan that processScan() gets, each at its own mounting
 /// pose. Every type takes them in with that scan.
@@ -89,7 +89,7 @@ void addScans(MapBuilder& method, std::vector<SweptScan> others);
 /// as null. Which increment the builder gets is for [method] odometry to say; `wheel` takes the one estimated
 /// from the two scans (method correlation unless [scan_odometry] says otherwise) at every step for which
 /// has_odometry is false. Stamps that do not grow are moved on by a millisecond, for the builder only.
-/// A scan whose sweep is known (setSweep(), [method] sweep_s) is deskewed (robot::deskewed())
+/// A scan whose sweep is known (setSweep(), [method] sweep_s) is deskewed (lidar::deskewed())
 /// before anything else sees it, unless [method] deskew is false. The motion is
 /// the odometry's, of this step or else of the one before; without either, as at the first scan, the scan
 /// stays. The other way round, correlation, range_flow and plicp take the wheels' increment, where there is
@@ -105,7 +105,7 @@ void addScans(MapBuilder& method, std::vector<SweptScan> others);
 /// The random numbers of step k come from (seed, k) alone: neither the thread nor other methods run in
 /// between matter. Errors: MethodError when the motion or the pose is not finite, the grids would grow beyond
 /// [mapping] max_map_cells (checked before the scan is inserted), or MRPT throws. REQUIRES at least 2 beams.
-core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core::Pose2& T_previous_robot,
+core::Pose2 processScan(MapBuilder& method, const lidar::Scan& scan, const core::Pose2& T_previous_robot,
                         bool has_odometry, const robot::Commanded& commanded = {});
 
 /// How sure the method says that it is of the pose that processScan() gave last: covariance of x (m), y (m),

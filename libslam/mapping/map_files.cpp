@@ -18,16 +18,16 @@
 #include "libslam/builders/map_grid.h"
 #include "libslam/builders/mrpt_compat.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/memory_guard.h"
-#include "libslam/core/ros_map.h"
+#include "libslam/files/files.h"
+#include "libslam/files/memory_guard.h"
+#include "libslam/files/ros_map.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/gridmap/mrpt_grid.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/mapping/simple_map.h"
 #include "libslam/posegraph/g2o_io.h"
-#include "libslam/robot/mrpt_types.h"
 
 namespace slam::mapping {
 namespace {
@@ -65,7 +65,7 @@ std::string gzipped(const void* data, size_t size) {
 void writeObject(const mrpt::serialization::CSerializable& object, const std::string& path) {
   mrpt::io::CMemoryStream buffer;
   mrpt::serialization::archiveFrom(buffer) << object;
-  core::writeFileAtomically(path, gzipped(buffer.getRawBufferData(), buffer.getTotalBytesCount()));
+  files::writeFileAtomically(path, gzipped(buffer.getRawBufferData(), buffer.getTotalBytesCount()));
 }
 
 /// ROS's picture of the map, the top row first.
@@ -75,19 +75,19 @@ void writeRosMap(const gridmap::OccupancyRaster& map, const std::string& folder)
     auto* pixels = picture.ptr<std::uint8_t>(map.rows - 1 - row);
     const float* cells = map.occupancy.data() + static_cast<size_t>(row) * static_cast<size_t>(map.columns);
     for (int column = 0; column < map.columns; ++column) {
-      std::uint8_t gray = core::kRosUnknown;
-      if (cells[column] > gridmap::kOccupiedAbove) gray = core::kRosOccupied;
-      if (cells[column] < gridmap::kFreeBelow) gray = core::kRosFree;
+      std::uint8_t gray = files::kRosUnknown;
+      if (cells[column] > gridmap::kOccupiedAbove) gray = files::kRosOccupied;
+      if (cells[column] < gridmap::kFreeBelow) gray = files::kRosFree;
       pixels[column] = gray;
     }
   }
   std::vector<std::uint8_t> png;
   if (!cv::imencode(".png", picture, png)) throw core::IoError(folder + "/map.png: cannot be encoded");
-  core::writeFileAtomically(folder + "/map.png", {reinterpret_cast<const char*>(png.data()), png.size()});
-  core::writeFileAtomically(
+  files::writeFileAtomically(folder + "/map.png", {reinterpret_cast<const char*>(png.data()), png.size()});
+  files::writeFileAtomically(
       folder + "/map.yaml",
       "# ROS map_server. Cells are occupied above a probability of 0.6, free below 0.4, unknown between.\n" +
-          core::rosMapYaml({"map.png", map.resolution_m, {map.x_min_m, map.y_min_m, 0}}));
+          files::rosMapYaml({"map.png", map.resolution_m, {map.x_min_m, map.y_min_m, 0}}));
 }
 
 /// The first scan of a frame, where it has one.
@@ -96,7 +96,7 @@ std::optional<KeyFrame> scanOf(const mrpt::maps::CSimpleMap& map, size_t frame_n
   const auto observation = frame->getObservationByClass<mrpt::obs::CObservation2DRangeScan>();
   if (!observation) return std::nullopt;
   const auto mean = pose->getMeanVal();
-  return KeyFrame{robot::fromMrpt(*observation), {mean.x(), mean.y(), mean.yaw()}};
+  return KeyFrame{lidar::fromMrpt(*observation), {mean.x(), mean.y(), mean.yaw()}};
 }
 
 }  // namespace
@@ -123,22 +123,22 @@ void saveRaster(const gridmap::OccupancyRaster& map, const std::string& folder) 
 void writeKeyFrames(const std::vector<KeyFrame>& key_frames, const std::string& path) {
   mrpt::maps::CSimpleMap map;
   for (const KeyFrame& key_frame : key_frames) {
-    const auto observation = robot::toMrpt(key_frame.scan);
+    const auto observation = lidar::toMrpt(key_frame.scan);
     observation->timestamp = mrpt::Clock::fromDouble(key_frame.scan.time_s);
     mrpt::obs::CSensoryFrame frame;
     frame.insert(observation);
     mrpt::poses::CPose3DPDFGaussian pose;
-    pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(robot::toMrpt(key_frame.T_map_robot)));
+    pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(lidar::toMrpt(key_frame.T_map_robot)));
     builders::compat::insertFrame(map, pose, frame);
   }
   writeObject(map, path);
 }
 
 gridmap::OccupancyRaster readGridMap(const std::string& path) {
-  core::requireReadableFile(path);
+  files::requireReadableFile(path);
   COccupancyGridMap2D grid;
   try {
-    const core::MemoryGuard guard(core::fileHeadroomBytes(path));
+    const files::MemoryGuard guard(files::fileHeadroomBytes(path));
     mrpt::io::CFileGZInputStream file(path);
     mrpt::serialization::archiveFrom(file) >> grid;
   } catch (const std::bad_alloc&) {
@@ -152,10 +152,10 @@ gridmap::OccupancyRaster readGridMap(const std::string& path) {
 }
 
 mrpt::maps::CSimpleMap loadSimpleMap(const std::string& path) {
-  core::requireReadableFile(path);
+  files::requireReadableFile(path);
   mrpt::maps::CSimpleMap map;
   try {
-    const core::MemoryGuard guard(core::fileHeadroomBytes(path));
+    const files::MemoryGuard guard(files::fileHeadroomBytes(path));
     mrpt::io::CFileGZInputStream file(path);  // not loadFromFile(), which says nothing of why it fails
     mrpt::serialization::archiveFrom(file) >> map;
   } catch (const std::bad_alloc&) {

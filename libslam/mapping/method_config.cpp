@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/ini_yaml.h"
+#include "libslam/resources/ini_yaml.h"
 
 namespace slam::mapping {
 namespace {
@@ -14,7 +14,7 @@ bool goesOnAlone(const methods::MethodType& type) {
 }
 
 /// Odometry from scans is chosen in [method]; a second, different answer in [scan_odometry] is a mistake.
-void chooseScanOdometry(const core::IniFile& ini, MethodConfig& config) {
+void chooseScanOdometry(const files::IniFile& ini, MethodConfig& config) {
   const std::string& odometry = config.method.odometry;
   const auto* given = ini.find("scan_odometry", "method");
   if (odometry == "none" && !methodType(config.method.type).goes_on_alone)
@@ -43,19 +43,19 @@ std::vector<std::string> methodSections(const std::string& type) {
   return sections;
 }
 
-MethodConfig readMethodConfig(const core::IniFile& ini) {
+MethodConfig readMethodConfig(const files::IniFile& ini) {
   MethodConfig config;
-  core::readParameters(ini, MethodOptions::table(), config.method, &config.report);
-  core::rejectUnknownSections(ini, methodSections(config.method.type));
+  files::readParameters(ini, MethodOptions::table(), config.method, &config.report);
+  files::rejectUnknownSections(ini, methodSections(config.method.type));
   config.make = methodType(config.method.type).read(ini, config.report);
-  core::readParameters(ini, odometry::ScanOdometryOptions::table(), config.scan_odometry, &config.report);
+  files::readParameters(ini, odometry::ScanOdometryOptions::table(), config.scan_odometry, &config.report);
   chooseScanOdometry(ini, config);
   for (auto& row : config.report)
     if (row.section == "scan_odometry" && row.info.key == "method") row.value = config.scan_odometry.method;
   return config;
 }
 
-std::string toMrptConfig(const core::IniFile& config, const std::string& name) {
+std::string toMrptConfig(const files::IniFile& config, const std::string& name) {
   const std::string type = readMethodConfig(config).method.type;
   const auto& mrpt_config = methodType(type).mrpt_config;
   if (mrpt_config) return mrpt_config(config, name);
@@ -79,24 +79,25 @@ std::vector<std::string> methodNames(const std::string& methods_folder) {
 
 namespace {
 
-core::IniFile loadOwnConfig(const std::string& methods_folder, const std::string& name_or_path) {
-  const bool is_path = name_or_path.find('/') != std::string::npos || core::isConfigFile(name_or_path);
-  if (is_path) return core::IniFile::load(name_or_path);
+files::IniFile loadOwnConfig(const std::string& methods_folder, const std::string& name_or_path) {
+  const bool is_path = name_or_path.find('/') != std::string::npos || resources::isConfigFile(name_or_path);
+  if (is_path) return resources::readConfigFile(name_or_path);
   const auto names = methodNames(methods_folder);
   if (std::find(names.begin(), names.end(), name_or_path) == names.end())
     throw core::InputError("unknown method '" + name_or_path + "'" + core::didYouMean(name_or_path, names));
-  return core::IniFile::load((std::filesystem::path(methods_folder) / (name_or_path + ".ini")).string());
+  return resources::readConfigFile(
+      (std::filesystem::path(methods_folder) / (name_or_path + ".ini")).string());
 }
 
 /// The file, laid over the method that its [method] base names. `depth`: how many files led here.
-core::IniFile withBase(const std::string& methods_folder, core::IniFile own, int depth) {
+files::IniFile withBase(const std::string& methods_folder, files::IniFile own, int depth) {
   const auto* base = own.find("method", "base");
   if (base == nullptr) return own;
   constexpr int kDeepest = 8;
   if (depth >= kDeepest)
     throw core::InputError(base->origin + ": key 'base': more than " + std::to_string(kDeepest) +
                            " methods on top of one another, expected an end");
-  core::IniFile config;
+  files::IniFile config;
   try {
     config = withBase(methods_folder, loadOwnConfig(methods_folder, base->value), depth + 1);
   } catch (const core::InputError& error) {
@@ -111,7 +112,7 @@ core::IniFile withBase(const std::string& methods_folder, core::IniFile own, int
 
 }  // namespace
 
-core::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path) {
+files::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path) {
   return withBase(methods_folder, loadOwnConfig(methods_folder, name_or_path), 0);
 }
 

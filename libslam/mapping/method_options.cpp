@@ -21,8 +21,8 @@ MethodOptions::MethodOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<MethodOptions>& MethodOptions::table() {
-  static const core::ParameterTable<MethodOptions> kTable(
+const files::ParameterTable<MethodOptions>& MethodOptions::table() {
+  static const files::ParameterTable<MethodOptions> kTable(
       "method",
       {{"type", &MethodOptions::type, "naive", typeNames(), "which builder"},
        {"odometry",

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::mapping {
 
@@ -11,10 +11,10 @@ struct MethodOptions {
   std::string odometry;  ///< wheel | argmax | argmax_blind | correlation | range_flow | plicp | none
   std::string lidars;    ///< logs::LogReader's words: * | labels with commas between them
   bool deskew;           ///< scans whose sweep is known are deskewed
-  double sweep_s;        ///< robot::Sweep, 0: as the log states it
+  double sweep_s;        ///< lidar::Sweep, 0: as the log states it
   bool sweep_clockwise;  ///< of sweep_s
   MethodOptions();
-  static const core::ParameterTable<MethodOptions>& table();
+  static const files::ParameterTable<MethodOptions>& table();
 };
 
 }  // namespace slam::mapping

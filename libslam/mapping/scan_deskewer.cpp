@@ -17,7 +17,7 @@ struct RecentMotion {
 
 /// The motion up to the scan: the odometry's, else that of the step before where that one had odometry. A
 /// motion that is itself from skewed scans would make it worse.
-std::optional<RecentMotion> motionUpTo(const StepHistory& history, const robot::Scan& scan,
+std::optional<RecentMotion> motionUpTo(const StepHistory& history, const lidar::Scan& scan,
                                        const core::Pose2& T_previous_robot, bool has_odometry) {
   if (!history.previous_scan) return std::nullopt;
   const double period_s = scan.time_s - history.previous_scan->time_s;
@@ -51,7 +51,7 @@ constexpr double kLongestShare = 0.5;
 }  // namespace
 
 /// The motion of which the scan, deskewed by `guess`, tells, and how much of it that explains.
-scanmatch::MatchResult ScanDeskewer::matched(const robot::Scan& deskewed, const core::Pose2& guess,
+scanmatch::MatchResult ScanDeskewer::matched(const lidar::Scan& deskewed, const core::Pose2& guess,
                                              const scanmatch::PosePrior& odometry) const {
   const auto points = scanmatch::patchPoints(deskewed, kSpacing);
   scanmatch::MatchOptions options;
@@ -66,9 +66,9 @@ scanmatch::MatchResult ScanDeskewer::matched(const robot::Scan& deskewed, const 
 
 /// By the motion that odometry gives, or the last one goes on where that explains more (wheels slip), each as
 /// the scan before corrects it.
-robot::Scan ScanDeskewer::deskewedByMatch(const StepHistory& history, const robot::Scan& scan,
+lidar::Scan ScanDeskewer::deskewedByMatch(const StepHistory& history, const lidar::Scan& scan,
                                           const core::Pose2& T_previous_robot, double period_s,
-                                          const robot::Sweep& sweep) {
+                                          const lidar::Sweep& sweep) {
   const auto before = scanmatch::patchPoints(*history.previous_scan, kSpacing);
   for (auto* map : {&coarse_, &fine_}) map->clear({}, kSpacing.max_range_m), map->add(before, {});
   const double root = std::sqrt(std::clamp(period_s, 0.0, 2.0) / scanmatch::kNominalPeriod_s);
@@ -77,25 +77,25 @@ robot::Scan ScanDeskewer::deskewedByMatch(const StepHistory& history, const robo
   odometry.information = scanmatch::poseInformation(
       kOdometry_m * root + kOdometryShare * core::hypot(T_previous_robot.x, T_previous_robot.y),
       kOdometry_rad * root + kOdometryShare * std::abs(T_previous_robot.phi));
-  robot::Scan result = robot::deskewed(scan, T_previous_robot, period_s, sweep);
+  lidar::Scan result = lidar::deskewed(scan, T_previous_robot, period_s, sweep);
   auto match = matched(result, T_previous_robot, odometry);
   if (match.score < kSurely && history.last_period_s > 0) {
     const core::Pose2 T = core::interpolate({}, history.T_previous_last, period_s / history.last_period_s);
-    const auto other = matched(robot::deskewed(scan, T, period_s, sweep), T, odometry);
+    const auto other = matched(lidar::deskewed(scan, T, period_s, sweep), T, odometry);
     if (other.score > match.score + kStartGain) match = other;
   }
   for (int round = 0; match.score > kLeastScore; ++round) {
-    result = robot::deskewed(scan, match.T_map_robot, period_s, sweep);
+    result = lidar::deskewed(scan, match.T_map_robot, period_s, sweep);
     if (round == kMoreRounds) break;
     match = matched(result, match.T_map_robot, odometry);
   }
   return result;
 }
 
-std::optional<robot::Scan> ScanDeskewer::deskewed(const StepHistory& history, const robot::Scan& scan,
-                                                  std::optional<robot::Sweep> sweep,
+std::optional<lidar::Scan> ScanDeskewer::deskewed(const StepHistory& history, const lidar::Scan& scan,
+                                                  std::optional<lidar::Sweep> sweep,
                                                   const core::Pose2& T_previous_robot, bool has_odometry) {
-  if (method_.sweep_s > 0) sweep = robot::Sweep{method_.sweep_s, method_.sweep_clockwise};
+  if (method_.sweep_s > 0) sweep = lidar::Sweep{method_.sweep_s, method_.sweep_clockwise};
   if (!sweep || !(sweep->duration_s > 0)) return std::nullopt;
   counts_.swept += history.previous_scan.has_value();
   if (!method_.deskew) return std::nullopt;
@@ -103,9 +103,9 @@ std::optional<robot::Scan> ScanDeskewer::deskewed(const StepHistory& history, co
   if (!motion) return std::nullopt;
   ++counts_.set_right;
   if (has_odometry && sweep->duration_s <= kLongestShare * motion->period_s &&
-      robot::areOfOneLidar(*history.previous_scan, scan))
+      lidar::areOfOneLidar(*history.previous_scan, scan))
     return deskewedByMatch(history, scan, motion->T_previous_robot, motion->period_s, *sweep);
-  return robot::deskewed(scan, motion->T_previous_robot, motion->period_s, *sweep);
+  return lidar::deskewed(scan, motion->T_previous_robot, motion->period_s, *sweep);
 }
 
 }  // namespace slam::mapping

@@ -1,9 +1,9 @@
 #pragma once
 #include <optional>
 
+#include "libslam/lidar/deskew.h"
 #include "libslam/mapping/method_options.h"
 #include "libslam/mapping/step_motion.h"
-#include "libslam/robot/deskew.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::mapping {
@@ -22,17 +22,17 @@ class ScanDeskewer {
   explicit ScanDeskewer(const MethodOptions& method) : method_(method) {}
 
   /// nullopt: the scan stays as it is. `sweep` as whoever measured it says; [method] sweep_s comes before it.
-  std::optional<robot::Scan> deskewed(const StepHistory& history, const robot::Scan& scan,
-                                      std::optional<robot::Sweep> sweep, const core::Pose2& T_previous_robot,
+  std::optional<lidar::Scan> deskewed(const StepHistory& history, const lidar::Scan& scan,
+                                      std::optional<lidar::Sweep> sweep, const core::Pose2& T_previous_robot,
                                       bool has_odometry);
   const SweptScans& counts() const { return counts_; }
 
  private:
-  scanmatch::MatchResult matched(const robot::Scan& deskewed, const core::Pose2& guess,
+  scanmatch::MatchResult matched(const lidar::Scan& deskewed, const core::Pose2& guess,
                                  const scanmatch::PosePrior& odometry) const;
-  robot::Scan deskewedByMatch(const StepHistory& history, const robot::Scan& scan,
+  lidar::Scan deskewedByMatch(const StepHistory& history, const lidar::Scan& scan,
                               const core::Pose2& T_previous_robot, double period_s,
-                              const robot::Sweep& sweep);
+                              const lidar::Sweep& sweep);
 
   MethodOptions method_;
   SweptScans counts_;

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::mapping {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 constexpr double kMostPeriods = 3;  // that a last motion is taken to go on for
 
 /// The last step goes on, as long as it is to this scan.
-core::Pose2 lastMotionUntil(const StepHistory& history, const robot::Scan& scan) {
+core::Pose2 lastMotionUntil(const StepHistory& history, const lidar::Scan& scan) {
   if (!history.previous_scan || !(history.last_period_s > 0)) return {};
   const double period_s = scan.time_s - history.previous_scan->time_s;
   return core::interpolate({}, history.T_previous_last,
@@ -22,16 +22,16 @@ core::Pose2 lastMotionUntil(const StepHistory& history, const robot::Scan& scan)
 
 /// With the heading wrapped as MRPT wraps it, which is not to the last bit what went in.
 core::Pose2 asMrptHasIt(const core::Pose2& pose) {
-  return robot::fromMrpt(mrpt::poses::CPose2D(robot::toMrpt(pose)).asTPose());
+  return lidar::fromMrpt(mrpt::poses::CPose2D(lidar::toMrpt(pose)).asTPose());
 }
 
 }  // namespace
 
-bool StepHistory::isReference(const robot::Scan& scan) const {
-  return !reference_scan || robot::areOfOneLidar(*reference_scan, scan);
+bool StepHistory::isReference(const lidar::Scan& scan) const {
+  return !reference_scan || lidar::areOfOneLidar(*reference_scan, scan);
 }
 
-void StepHistory::note(const robot::Scan& scan, const core::Pose2& T_previous_robot,
+void StepHistory::note(const lidar::Scan& scan, const core::Pose2& T_previous_robot,
                        const core::Pose2& T_map_after) {
   if (isReference(scan)) {
     reference_scan = scan;
@@ -63,7 +63,7 @@ void StepMotions::noteCommand(const robot::Commanded& commanded, std::uint64_t s
 }
 
 /// The estimator may have slept while the wheels did the work: then it is shown the previous scan first.
-odometry::ScanMotion StepMotions::fromScans(const StepHistory& history, const robot::Scan& scan) {
+odometry::ScanMotion StepMotions::fromScans(const StepHistory& history, const lidar::Scan& scan) {
   if (!history.isReference(scan)) {
     odometry::ScanMotion motion;
     motion.T_previous_current = lastMotionUntil(history, scan);
@@ -82,7 +82,7 @@ odometry::ScanMotion StepMotions::fromScans(const StepHistory& history, const ro
   return motion;
 }
 
-methods::StepMotion StepMotions::next(const StepHistory& history, const robot::Scan& scan,
+methods::StepMotion StepMotions::next(const StepHistory& history, const lidar::Scan& scan,
                                       const core::Pose2& T_previous_robot, bool has_odometry) {
   if (goes_on_alone_) return nextAlone(history, scan, T_previous_robot, has_odometry);
   const bool is_first = !history.previous_scan;
@@ -108,7 +108,7 @@ core::Pose2 StepMotions::asFed(const methods::StepMotion& motion, const core::Po
 }
 
 /// Where there is no odometry such a method knows better than two scans alone.
-methods::StepMotion StepMotions::nextAlone(const StepHistory& history, const robot::Scan& scan,
+methods::StepMotion StepMotions::nextAlone(const StepHistory& history, const lidar::Scan& scan,
                                            const core::Pose2& T_previous_robot, bool has_odometry) {
   methods::StepMotion motion{T_previous_robot, has_odometry, std::nullopt};
   if (method_.odometry == "none") {

@@ -11,17 +11,17 @@ namespace slam::mapping {
 
 /// What is remembered of the steps so far.
 struct StepHistory {
-  std::optional<robot::Scan> previous_scan;
-  std::optional<robot::Scan> reference_scan;  ///< the last one of the lidar of the first
+  std::optional<lidar::Scan> previous_scan;
+  std::optional<lidar::Scan> reference_scan;  ///< the last one of the lidar of the first
   core::Pose2 T_reference_previous;           ///< the motion fed since that one
   core::Pose2 T_previous_last;                ///< the last step, as the method has it
   double last_period_s = 0;                   ///< how long it took
   bool last_had_odometry = false;             ///< and whether the log gave odometry for it
   core::Pose2 T_map_robot;
 
-  bool isReference(const robot::Scan& scan) const;
+  bool isReference(const lidar::Scan& scan) const;
   /// The step that ends with this scan; T_previous_robot is what the method was fed.
-  void note(const robot::Scan& scan, const core::Pose2& T_previous_robot, const core::Pose2& T_map_after);
+  void note(const lidar::Scan& scan, const core::Pose2& T_previous_robot, const core::Pose2& T_map_after);
 };
 
 /// Which motion a method is fed at each step: [method] odometry, as MapBuilder's processScan() has it.
@@ -32,7 +32,7 @@ class StepMotions {
   void setCommands(std::vector<robot::Commanded> commands) { commands_ = std::move(commands); }
 
   /// Errors: MethodError for a motion that is not finite.
-  methods::StepMotion next(const StepHistory& history, const robot::Scan& scan,
+  methods::StepMotion next(const StepHistory& history, const lidar::Scan& scan,
                            const core::Pose2& T_previous_robot, bool has_odometry);
   /// The motion as the method took it, which made T_previous_robot of it.
   core::Pose2 asFed(const methods::StepMotion& motion, const core::Pose2& T_previous_robot) const;
@@ -41,8 +41,8 @@ class StepMotions {
                    bool has_odometry);
 
  private:
-  odometry::ScanMotion fromScans(const StepHistory& history, const robot::Scan& scan);
-  methods::StepMotion nextAlone(const StepHistory& history, const robot::Scan& scan,
+  odometry::ScanMotion fromScans(const StepHistory& history, const lidar::Scan& scan);
+  methods::StepMotion nextAlone(const StepHistory& history, const lidar::Scan& scan,
                                 const core::Pose2& T_previous_robot, bool has_odometry);
 
   MethodOptions method_;

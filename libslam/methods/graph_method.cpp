@@ -12,7 +12,7 @@ namespace {
 
 class GraphMethod : public SlamMethod {
  public:
-  GraphMethod(const builders::MappingOptions& mapping, const graph::GraphOptions& options)
+  GraphMethod(const builders::MappingOptions& mapping, const keyframes::GraphOptions& options)
       : builder_(std::make_unique<builders::GraphMapBuilder>(mapping, options)) {
     silence(*builder_);
   }
@@ -21,7 +21,7 @@ class GraphMethod : public SlamMethod {
   mrpt::slam::CMetricMapBuilder& mrptBuilder() const override { return *builder_; }
   void continueMap(const mrpt::maps::CSimpleMap& key_frames, const std::optional<core::Pose2>& T_map_robot,
                    bool keep_map) override;
-  std::vector<graph::PartPlace> joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
+  std::vector<loops::PartPlace> joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
                                          core::Progress& progress) override;
   void finish() override;
   std::vector<core::JournalEntry> journal() const override;
@@ -49,7 +49,7 @@ void GraphMethod::continueMap(const mrpt::maps::CSimpleMap& key_frames,
   if (!T_map_robot) builder_->startAnywhere();
 }
 
-std::vector<graph::PartPlace> GraphMethod::joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
+std::vector<loops::PartPlace> GraphMethod::joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
                                                     core::Progress& progress) {
   for (const auto& map : maps) builder_->addPart(map);
   return builder_->joinParts(progress);
@@ -99,11 +99,11 @@ MethodType graphMethod() {
   type.name = "graph";
   type.sections = {"graph"};
   type.goes_on_alone = type.continues_maps = type.finds_itself = type.joins_maps = true;
-  type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
+  type.read = [](const files::IniFile& ini, std::vector<files::ParameterReport>& report) -> MethodMaker {
     builders::MappingOptions mapping;
-    graph::GraphOptions graph;
-    core::readParameters(ini, builders::mappingTable({builders::gridRows()}), mapping, &report);
-    core::readParameters(ini, graph::GraphOptions::table(), graph, &report);
+    keyframes::GraphOptions graph;
+    files::readParameters(ini, builders::mappingTable({builders::gridRows()}), mapping, &report);
+    files::readParameters(ini, keyframes::GraphOptions::table(), graph, &report);
     return [mapping, graph](const std::string& /*name*/, std::uint64_t /*seed*/) {
       return std::make_unique<GraphMethod>(mapping, graph);
     };

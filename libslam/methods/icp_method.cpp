@@ -57,12 +57,12 @@ std::unique_ptr<mrpt::slam::CMetricMapBuilder> makeBuilder(const std::string& co
   return builder;
 }
 
-IcpMethodOptions readOptions(const core::IniFile& ini, std::vector<core::ParameterReport>& report) {
+IcpMethodOptions readOptions(const files::IniFile& ini, std::vector<files::ParameterReport>& report) {
   IcpMethodOptions options;
-  core::readParameters(
+  files::readParameters(
       ini, builders::mappingTable({builders::gridRows(), builders::keyFrameRows(), builders::matcherRows()}),
       options.mapping, &report);
-  core::readParameters(ini, icpTable({icpRows(), icpPointRows()}), options.icp, &report);
+  files::readParameters(ini, icpTable({icpRows(), icpPointRows()}), options.icp, &report);
   return options;
 }
 
@@ -73,14 +73,14 @@ MethodType icpMethod() {
   type.name = "icp";
   type.sections = {"icp"};
   type.continues_maps = true;
-  type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
+  type.read = [](const files::IniFile& ini, std::vector<files::ParameterReport>& report) -> MethodMaker {
     return [options = readOptions(ini, report)](const std::string& name, std::uint64_t seed) {
       return std::make_unique<MrptMethod>(makeBuilder(icpSlamText(options, name)), options.mapping,
                                           MotionOptions(), seed);
     };
   };
-  type.mrpt_config = [](const core::IniFile& ini, const std::string& name) {
-    std::vector<core::ParameterReport> report;
+  type.mrpt_config = [](const files::IniFile& ini, const std::string& name) {
+    std::vector<files::ParameterReport> report;
     return icpSlamText(readOptions(ini, report), name);
   };
   return type;

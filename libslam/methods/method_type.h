@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 #include "libslam/methods/slam_method.h"
 
 namespace slam::methods {
@@ -23,9 +23,9 @@ struct MethodType {
   bool joins_maps = false;      ///< SlamMethod::joinMaps()
   /// Reads [mapping] and its own sections, adds their rows to the report, and makes nothing yet. Errors:
   /// InputError for a misspelt, impossible or contradictory key.
-  std::function<MethodMaker(const core::IniFile&, std::vector<core::ParameterReport>&)> read;
+  std::function<MethodMaker(const files::IniFile&, std::vector<files::ParameterReport>&)> read;
   /// The same as text for MRPT's own program; empty: no program of MRPT runs it.
-  std::function<std::string(const core::IniFile&, const std::string& name)> mrpt_config;
+  std::function<std::string(const files::IniFile&, const std::string& name)> mrpt_config;
 };
 
 }  // namespace slam::methods

@@ -6,9 +6,9 @@ MotionOptions::MotionOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<MotionOptions>& MotionOptions::table() {
+const files::ParameterTable<MotionOptions>& MotionOptions::table() {
   using O = MotionOptions;
-  static const core::ParameterTable<O> kTable(
+  static const files::ParameterTable<O> kTable(
       "motion", {{"sigma_xy_m", &O::sigma_xy_m, 0.01, 0.0, 10.0, "always"},
                  {"sigma_xy_per_m", &O::sigma_xy_per_m, 0.05, 0.0, 10.0, "per metre driven"},
                  {"sigma_xy_per_rad", &O::sigma_xy_per_rad, 0.02, 0.0, 10.0, "metres per radian turned"},

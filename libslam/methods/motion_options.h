@@ -1,5 +1,5 @@
 #pragma once
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::methods {
 
@@ -13,7 +13,7 @@ struct MotionOptions {
   double sigma_xy_m, sigma_xy_per_m, sigma_xy_per_rad;
   double sigma_turn_rad, sigma_turn_per_m_rad, sigma_turn_per_rad;
   MotionOptions();
-  static const core::ParameterTable<MotionOptions>& table();
+  static const files::ParameterTable<MotionOptions>& table();
 };
 
 }  // namespace slam::methods

@@ -31,7 +31,7 @@ IcpRows icpPointRows() {
            "smallest distance between points of the map"}};
 }
 
-core::ParameterTable<IcpOptions> icpTable(const std::vector<IcpRows>& rows) {
+files::ParameterTable<IcpOptions> icpTable(const std::vector<IcpRows>& rows) {
   IcpRows all;
   for (const auto& some : rows) all.insert(all.end(), some.begin(), some.end());
   return {"icp", std::move(all)};

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "libslam/builders/mapping_options.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::methods {
 
@@ -18,11 +18,11 @@ struct IcpOptions {
   double point_spacing_m;  ///< type icp only
   IcpOptions();
 };
-using IcpRows = std::vector<core::ParameterTable<IcpOptions>::Row>;
+using IcpRows = std::vector<files::ParameterTable<IcpOptions>::Row>;
 /// The rows that both types have, and those of the matcher that keeps points (type icp).
 IcpRows icpRows();
 IcpRows icpPointRows();
-core::ParameterTable<IcpOptions> icpTable(const std::vector<IcpRows>& rows);
+files::ParameterTable<IcpOptions> icpTable(const std::vector<IcpRows>& rows);
 
 /// The section of MRPT's own text that holds the builder's options.
 inline constexpr const char* kMrptSection = "MappingApplication";
@@ -33,7 +33,7 @@ class MrptConfig {
   void comment(const std::string& line) { text_ += "# " + line + "\n"; }
   void section(const std::string& name) { text_ += "\n[" + name + "]\n"; }
   void set(const std::string& key, const std::string& value) { text_ += key + " = " + value + "\n"; }
-  void set(const std::string& key, double value) { set(key, core::formatNumber(value)); }
+  void set(const std::string& key, double value) { set(key, files::formatNumber(value)); }
   void set(const std::string& key, int value) { set(key, std::to_string(value)); }
   void set(const std::string& key, bool value) { set(key, std::string(value ? "true" : "false")); }
   void set(const std::string& key, const char* value) { set(key, std::string(value)); }

@@ -20,7 +20,7 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::methods {
 
@@ -54,7 +54,7 @@ std::shared_ptr<CActionRobotMovement2D> actionOf(
     const MethodStep& step, const CActionRobotMovement2D::TMotionModelOptions& motion_model) {
   if (step.motion.from_scans) return odometry::toMrptAction(*step.motion.from_scans, step.time_s);
   auto action = CActionRobotMovement2D::Create();
-  action->computeFromOdometry(mrpt::poses::CPose2D(robot::toMrpt(step.motion.T_previous_robot)),
+  action->computeFromOdometry(mrpt::poses::CPose2D(lidar::toMrpt(step.motion.T_previous_robot)),
                               motion_model);
   return action;
 }
@@ -66,8 +66,8 @@ void feed(mrpt::slam::CMetricMapBuilder& builder, const std::shared_ptr<CActionR
   mrpt::obs::CActionCollection actions;
   actions.insert(*action);
   mrpt::obs::CSensoryFrame frame;
-  const auto insert = [&](const robot::Scan& seen) {
-    auto observation = robot::toMrpt(seen);
+  const auto insert = [&](const lidar::Scan& seen) {
+    auto observation = lidar::toMrpt(seen);
     observation->timestamp = stamp;
     // MRPT's ICP counts the way since the last insertion lidar by lidar, by their labels.
     if (frame.size() > 0) observation->sensorLabel += " " + std::to_string(frame.size() + 1);
@@ -100,10 +100,10 @@ double cellsOf(const mrpt::maps::CMultiMetricMap& maps, const core::Point2& cent
   return cells;
 }
 
-double farthestReturn(const robot::Scan& scan) {
+double farthestReturn(const lidar::Scan& scan) {
   double farthest_m = 0;
   for (const float range_m : scan.ranges_m)
-    if (robot::isReturn(range_m)) farthest_m = std::max(farthest_m, static_cast<double>(range_m));
+    if (lidar::isReturn(range_m)) farthest_m = std::max(farthest_m, static_cast<double>(range_m));
   return farthest_m;
 }
 
@@ -126,7 +126,7 @@ core::Pose2 MrptMethod::process(const MethodStep& step) {
   const auto action = actionOf(step, motion_model_);
   double reach_m = reach(step.scan);
   for (const auto& other : step.others) reach_m = std::max(reach_m, reach(other));
-  requireBoundedMap(T_map_robot_ * robot::fromMrpt(action->poseChange->getMeanVal().asTPose()), reach_m);
+  requireBoundedMap(T_map_robot_ * lidar::fromMrpt(action->poseChange->getMeanVal().asTPose()), reach_m);
 
   seedMrpt(seed_, step.number);
   feed(*builder_, action, step);
@@ -149,7 +149,7 @@ double MrptMethod::cellsWith(const core::Point2& centre, double reach_m) const {
   return cellsOf(builders::compat::asReference(builder_->getCurrentlyBuiltMetricMap()), centre, reach_m);
 }
 
-double MrptMethod::reach(const robot::Scan& scan) const {
+double MrptMethod::reach(const lidar::Scan& scan) const {
   const double mount_m = core::hypot(scan.T_robot_lidar.x, scan.T_robot_lidar.y);
   return std::min(mapping_.max_insert_range_m, std::max(farthestReturn(scan), scan.max_range_m)) + mount_m;
 }

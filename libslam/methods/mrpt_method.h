@@ -29,7 +29,7 @@ class MrptMethod : public SlamMethod {
   /// Cells of all grids once they reach so far around the place, in the map frame.
   virtual double cellsWith(const core::Point2& centre, double reach_m) const;
   /// How far from the robot the scan can change a grid.
-  virtual double reach(const robot::Scan& scan) const;
+  virtual double reach(const lidar::Scan& scan) const;
   const builders::MappingOptions& mapping() const { return mapping_; }
 
  private:
@@ -50,7 +50,7 @@ struct GridExtent {
 /// Of all grids in it, once they reach so far.
 double cellsOf(const mrpt::maps::CMultiMetricMap& maps, const core::Point2& centre, double reach_m);
 
-double farthestReturn(const robot::Scan& scan);
+double farthestReturn(const lidar::Scan& scan);
 
 /// MRPT's exceptions carry a stack trace; one line of it says what happened.
 std::string firstLine(const std::string& text);

@@ -28,7 +28,7 @@ class NaiveMethod : public MrptMethod {
   }
 
  protected:
-  double reach(const robot::Scan& scan) const override {
+  double reach(const lidar::Scan& scan) const override {
     if (!draws_dots_) return MrptMethod::reach(scan);
     return farthestReturn(scan) + core::hypot(scan.T_robot_lidar.x, scan.T_robot_lidar.y);
   }
@@ -42,9 +42,9 @@ class NaiveMethod : public MrptMethod {
 MethodType naiveMethod() {
   MethodType type;
   type.name = "naive";
-  type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
+  type.read = [](const files::IniFile& ini, std::vector<files::ParameterReport>& report) -> MethodMaker {
     builders::MappingOptions mapping;
-    core::readParameters(
+    files::readParameters(
         ini,
         builders::mappingTable({builders::gridRows(), builders::keyFrameRows(), builders::drawingRows()}),
         mapping, &report);

@@ -55,7 +55,7 @@ double ParticleMethod::cellsWith(const core::Point2& centre, double reach_m) con
   return filter().cells() + filter().particles() * directory;
 }
 
-void requireOrderedCounts(const core::IniFile& ini, const particles::ParticleFilterOptions& options) {
+void requireOrderedCounts(const files::IniFile& ini, const particles::ParticleFilterOptions& options) {
   if (options.least_count <= options.most_count) return;
   const auto* most = ini.find("particles", "most_count");
   const auto* given = most != nullptr ? most : ini.find("particles", "least_count");
@@ -79,14 +79,14 @@ MethodType particleMethod() {
   type.name = "particles";
   type.sections = {"particles", "motion"};
   type.continues_maps = true;
-  type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
+  type.read = [](const files::IniFile& ini, std::vector<files::ParameterReport>& report) -> MethodMaker {
     builders::MappingOptions mapping;
     particles::ParticleFilterOptions filter;
     MotionOptions motion;
-    core::readParameters(ini, builders::mappingTable({ownGridRows(), builders::keyFrameRows()}), mapping,
-                         &report);
-    core::readParameters(ini, particles::ParticleFilterOptions::table(), filter, &report);
-    core::readParameters(ini, MotionOptions::table(), motion, &report);
+    files::readParameters(ini, builders::mappingTable({ownGridRows(), builders::keyFrameRows()}), mapping,
+                          &report);
+    files::readParameters(ini, particles::ParticleFilterOptions::table(), filter, &report);
+    files::readParameters(ini, MotionOptions::table(), motion, &report);
     requireOrderedCounts(ini, filter);
     return [mapping, filter, motion](const std::string& /*name*/, std::uint64_t seed) {
       return std::make_unique<ParticleMethod>(

@@ -9,9 +9,9 @@
 
 #include "libslam/builders/exact_grid.h"
 #include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/methods/mrpt_config.h"
 #include "libslam/methods/mrpt_method.h"
-#include "libslam/robot/mrpt_types.h"
 
 namespace slam::methods {
 namespace {
@@ -28,16 +28,16 @@ struct ParticleOptions {
   int likelihood_decimation;
   bool likelihood_cache;
   ParticleOptions();
-  static const core::ParameterTable<ParticleOptions>& table();
+  static const files::ParameterTable<ParticleOptions>& table();
 };
 
 ParticleOptions::ParticleOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<ParticleOptions>& ParticleOptions::table() {
+const files::ParameterTable<ParticleOptions>& ParticleOptions::table() {
   using O = ParticleOptions;
-  static const core::ParameterTable<O> kTable(
+  static const files::ParameterTable<O> kTable(
       "particles",
       {{"algorithm",
         &O::algorithm,
@@ -189,7 +189,7 @@ std::optional<core::Trajectory> RbpfMethod::finalPath(const core::Trajectory& on
                                      [](const auto& a, const auto& b) { return a.log_w < b.log_w; });
   core::Trajectory path = online;
   for (size_t i = 0; i < updates_.size(); ++i) {
-    const core::Pose2 T_map_robot = robot::fromMrpt(mrpt::math::TPose2D(best->d->robotPath[i]));
+    const core::Pose2 T_map_robot = lidar::fromMrpt(mrpt::math::TPose2D(best->d->robotPath[i]));
     const size_t end = i + 1 < updates_.size() ? updates_[i + 1] : path.size();
     for (size_t scan = updates_[i]; scan < end; ++scan)
       path[scan].pose = T_map_robot * core::between(online[updates_[i]].pose, online[scan].pose);
@@ -201,7 +201,7 @@ std::vector<core::Pose2> RbpfMethod::particlePoses() const {
   std::vector<core::Pose2> poses;
   for (const auto& particle : pdf().m_particles)
     if (!particle.d->robotPath.empty())
-      poses.push_back(robot::fromMrpt(mrpt::math::TPose2D(particle.d->robotPath.back())));
+      poses.push_back(lidar::fromMrpt(mrpt::math::TPose2D(particle.d->robotPath.back())));
   return poses;
 }
 
@@ -212,21 +212,21 @@ double RbpfMethod::cellsWith(const core::Point2& centre, double reach_m) const {
 }
 
 /// MRPT matches with Levenberg-Marquardt against points only, and the particles hold grids.
-void requireClassic(const core::IniFile& ini) {
+void requireClassic(const files::IniFile& ini) {
   const auto* algorithm = ini.find("icp", "algorithm");
   if (algorithm != nullptr && algorithm->value != "classic")
     throw core::InputError(algorithm->origin + ": section [icp], key 'algorithm': found '" +
                            algorithm->value + "', expected classic for type rbpf, which matches to grids");
 }
 
-RbpfMethodOptions readOptions(const core::IniFile& ini, std::vector<core::ParameterReport>& report) {
+RbpfMethodOptions readOptions(const files::IniFile& ini, std::vector<files::ParameterReport>& report) {
   RbpfMethodOptions options;
-  core::readParameters(
+  files::readParameters(
       ini, builders::mappingTable({builders::gridRows(), builders::keyFrameRows(), builders::matcherRows()}),
       options.mapping, &report);
-  core::readParameters(ini, icpTable({icpRows()}), options.icp, &report);
-  core::readParameters(ini, ParticleOptions::table(), options.particles, &report);
-  core::readParameters(ini, MotionOptions::table(), options.motion, &report);
+  files::readParameters(ini, icpTable({icpRows()}), options.icp, &report);
+  files::readParameters(ini, ParticleOptions::table(), options.particles, &report);
+  files::readParameters(ini, MotionOptions::table(), options.motion, &report);
   requireClassic(ini);
   return options;
 }
@@ -237,13 +237,13 @@ MethodType rbpfMethod() {
   MethodType type;
   type.name = "rbpf";
   type.sections = {"icp", "particles", "motion"};
-  type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
+  type.read = [](const files::IniFile& ini, std::vector<files::ParameterReport>& report) -> MethodMaker {
     return [options = readOptions(ini, report)](const std::string& name, std::uint64_t seed) {
       return std::make_unique<RbpfMethod>(makeBuilder(rbpfSlamText(options, name)), options, seed);
     };
   };
-  type.mrpt_config = [](const core::IniFile& ini, const std::string& name) {
-    std::vector<core::ParameterReport> report;
+  type.mrpt_config = [](const files::IniFile& ini, const std::string& name) {
+    std::vector<files::ParameterReport> report;
     return rbpfSlamText(readOptions(ini, report), name);
   };
   return type;

@@ -15,7 +15,7 @@
 #include "libslam/builders/map_grid.h"
 #include "libslam/core/error.h"
 #include "libslam/gridmap/mrpt_grid.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::methods {
 namespace {
@@ -58,13 +58,13 @@ gridmap::OccupancyRaster SlamMethod::map() const {
 void SlamMethod::continueMap(const mrpt::maps::CSimpleMap& key_frames,
                              const std::optional<core::Pose2>& T_map_robot, bool keep_map) {
   mrpt::poses::CPosePDFGaussian start;
-  start.mean = mrpt::poses::CPose2D(robot::toMrpt(T_map_robot.value_or(core::Pose2{})));
+  start.mean = mrpt::poses::CPose2D(lidar::toMrpt(T_map_robot.value_or(core::Pose2{})));
   const StoppedClock clock;
   mrptBuilder().initialize(key_frames, T_map_robot ? &start : nullptr);
   mrptBuilder().options.enableMapUpdating = !keep_map;
 }
 
-std::vector<graph::PartPlace> SlamMethod::joinMaps(const std::vector<mrpt::maps::CSimpleMap>& /*maps*/,
+std::vector<loops::PartPlace> SlamMethod::joinMaps(const std::vector<mrpt::maps::CSimpleMap>& /*maps*/,
                                                    core::Progress& /*progress*/) {
   throw core::ContractError("joinMaps(): of a type that joins none");
 }

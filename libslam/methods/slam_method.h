@@ -8,10 +8,10 @@
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
-#include "libslam/graph/part_place.h"
 #include "libslam/gridmap/occupancy_raster.h"
+#include "libslam/lidar/scan.h"
+#include "libslam/loops/part_place.h"
 #include "libslam/odometry/scan_odometry.h"
-#include "libslam/robot/scan.h"
 
 namespace mrpt::maps {
 class CSimpleMap;
@@ -38,8 +38,8 @@ struct StepMotion {
 struct MethodStep {
   std::uint64_t number = 0;                ///< 0: the first
   double time_s = 0;                       ///< grows from step to step, also where the scans' stamps do not
-  const robot::Scan& scan;                 ///< deskewed; at least 2 beams
-  const std::vector<robot::Scan>& others;  ///< what other lidars saw at the same moment, deskewed
+  const lidar::Scan& scan;                 ///< deskewed; at least 2 beams
+  const std::vector<lidar::Scan>& others;  ///< what other lidars saw at the same moment, deskewed
   const StepMotion& motion;
 };
 
@@ -69,7 +69,7 @@ class SlamMethod {
                            const std::optional<core::Pose2>& T_map_robot, bool keep_map);
   /// Other maps of before beside that one: finds their places in it and in one another, and makes one map of
   /// all that have one. One for each. REQUIRES a type that can (MethodType), and that no step was processed.
-  virtual std::vector<graph::PartPlace> joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
+  virtual std::vector<loops::PartPlace> joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
                                                  core::Progress& progress);
   /// After the last step.
   virtual void finish() {}

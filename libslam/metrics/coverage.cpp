@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/world/ray_walk.h"
+#include "libslam/rays/ray_walk.h"
 
 namespace slam::metrics {
 namespace {
@@ -75,8 +75,8 @@ template <class See>
 void walkCells(const world::Plan& plan, const core::Point2& origin, double angle_in_plan,
                double max_range_cells, See see) {
   const core::Point2 direction = core::polar(1, angle_in_plan);
-  world::walkRay(
-      plan, origin, direction, max_range_cells, [&](const world::Cell* cell, const world::RayEntry& entry) {
+  rays::walkRay(
+      plan, origin, direction, max_range_cells, [&](const world::Cell* cell, const rays::RayEntry& entry) {
         return entry.isWithin(max_range_cells) && see(static_cast<size_t>(cell - plan.cells.data())) &&
                *cell != world::Cell::kOccupied;
       });

@@ -40,7 +40,7 @@ class Coverage {
   Coverage(const world::Plan& plan, ExplorableArea area);
   Coverage(world::Plan&&, ExplorableArea) = delete;
 
-  /// One more scan; returns the explorable cells that are new. Beams as in world::castScan(). A pose that is
+  /// One more scan; returns the explorable cells that are new. Beams as in rays::castScan(). A pose that is
   /// not finite, outside the plan or in a wall sees nothing. Cost: the cells along the beams.
   std::size_t look(const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad, int beams,
                    double max_range_m);

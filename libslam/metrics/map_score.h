@@ -32,7 +32,7 @@ struct SeenMask {
   std::vector<bool> wall, free;  ///< row-major as Plan::cells
 };
 
-/// Rays walk as world::castRay()'s; max_range_m <= 0 means no limit. To save time, a pose is left out when it
+/// Rays walk as rays::castRay()'s; max_range_m <= 0 means no limit. To save time, a pose is left out when it
 /// is within 0.1 m and 5 degrees of the last one used (the last pose of all is always used). A lidar pose
 /// that is not finite, outside the plan or in a wall sees nothing.
 SeenMask seenCells(const world::Plan& plan, const core::Trajectory& truth, const core::Pose2& T_robot_lidar,

@@ -11,7 +11,7 @@
 #include "libslam/core/rigid_motion2.h"
 #include "libslam/metrics/statistics.h"
 #include "libslam/metrics/view_thinning.h"
-#include "libslam/world/ray_walk.h"
+#include "libslam/rays/ray_walk.h"
 
 namespace slam::metrics {
 namespace {
@@ -164,19 +164,19 @@ bool PlacedScans::goesThroughWall(const core::Point2& origin_cells, const core::
     if (met_wall && is_free) free_length += std::min(at, length) - entered_at;
     return free_length >= enough;
   };
-  world::walkRay(map_, origin_cells, direction, length,
-                 [&](const world::Cell* cell, const world::RayEntry& entry) {
-                   const double at = entry.distance();
-                   through = leave(at);
-                   if (through || at >= length) {
-                     is_free = false;
-                     return false;
-                   }
-                   entered_at = at;
-                   is_free = *cell == world::Cell::kFree;
-                   met_wall = met_wall || *cell == world::Cell::kOccupied;
-                   return true;
-                 });
+  rays::walkRay(map_, origin_cells, direction, length,
+                [&](const world::Cell* cell, const rays::RayEntry& entry) {
+                  const double at = entry.distance();
+                  through = leave(at);
+                  if (through || at >= length) {
+                    is_free = false;
+                    return false;
+                  }
+                  entered_at = at;
+                  is_free = *cell == world::Cell::kFree;
+                  met_wall = met_wall || *cell == world::Cell::kOccupied;
+                  return true;
+                });
   return through || leave(length);
 }
 

@@ -4,7 +4,7 @@
 
 #include "libslam/metrics/map_score.h"
 #include "libslam/metrics/view_thinning.h"
-#include "libslam/world/ray_walk.h"
+#include "libslam/rays/ray_walk.h"
 
 namespace slam::metrics {
 namespace {
@@ -20,13 +20,13 @@ void markRay(const world::Plan& plan, const core::Point2& origin, double angle_i
   const core::Point2 direction = core::polar(1, angle_in_plan);
   const world::Cell* cells = plan.cells.data();
   unsigned char *walls = marks.wall.data(), *free = marks.free.data();
-  world::walkRay(plan, origin, direction, max_range_cells,
-                 [=](const world::Cell* cell, const world::RayEntry& entry) {
-                   if (!entry.isWithin(max_range_cells)) return false;
-                   if (*cell == world::Cell::kOccupied) walls[cell - cells] = 1;
-                   if (*cell == world::Cell::kFree) free[cell - cells] = 1;
-                   return *cell != world::Cell::kOccupied;
-                 });
+  rays::walkRay(plan, origin, direction, max_range_cells,
+                [=](const world::Cell* cell, const rays::RayEntry& entry) {
+                  if (!entry.isWithin(max_range_cells)) return false;
+                  if (*cell == world::Cell::kOccupied) walls[cell - cells] = 1;
+                  if (*cell == world::Cell::kFree) free[cell - cells] = 1;
+                  return *cell != world::Cell::kOccupied;
+                });
 }
 
 }  // namespace

@@ -8,18 +8,18 @@
 #include <algorithm>
 
 #include "libslam/gridmap/mrpt_grid.h"
-#include "libslam/paths/safe_motion.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
+#include "libslam/safety/safe_motion.h"
 
 namespace slam::mrptnav {
 namespace {
 
 core::Pose2 toPose(const mrpt::poses::CPose2D& pose) {
-  return robot::fromMrpt(pose.asTPose());
+  return lidar::fromMrpt(pose.asTPose());
 }
 
-std::unique_ptr<navigate::Strategy> strategyOf(const MrptExplorerOptions& options) {
-  return navigate::makeStrategy(options.strategy, {options.seed, "strategy"});
+std::unique_ptr<strategies::Strategy> strategyOf(const MrptExplorerOptions& options) {
+  return strategies::makeStrategy(options.strategy, {options.seed, "strategy"});
 }
 
 MrptExplorerOptions withName(const std::string& strategy) {
@@ -31,7 +31,7 @@ MrptExplorerOptions withName(const std::string& strategy) {
 }  // namespace
 
 struct MrptStrategy::State {
-  std::unique_ptr<navigate::Strategy> strategy;
+  std::unique_ptr<strategies::Strategy> strategy;
   robot::RobotOptions robot;
 };
 
@@ -50,18 +50,18 @@ void MrptStrategy::seeMap(const mrpt::maps::COccupancyGridMap2D& grid) {
 }
 
 void MrptStrategy::seeScan(const mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& pose) {
-  state_->strategy->seeScan(robot::fromMrpt(scan), toPose(pose));
+  state_->strategy->seeScan(lidar::fromMrpt(scan), toPose(pose));
 }
 
 MrptStrategy::Answer MrptStrategy::decide(const mrpt::obs::CObservation2DRangeScan& scan,
                                           const mrpt::poses::CPose2D& pose) {
-  const auto seen = robot::fromMrpt(scan);
+  const auto seen = lidar::fromMrpt(scan);
   const auto T_map_robot = toPose(pose);
   state_->strategy->seeScan(seen, T_map_robot);
   auto decision = state_->strategy->decide(seen, T_map_robot);
   // Without a map a strategy says how far at most; a driver of ours stops where the way ends.
   decision.distance_m = std::min(
-      {decision.distance_m, seen.max_range_m, paths::discReach(seen, decision.turn_rad, state_->robot)});
+      {decision.distance_m, seen.max_range_m, safety::discReach(seen, decision.turn_rad, state_->robot)});
   return {toMrpt(decision, T_map_robot), decision.finished, decision.reason};
 }
 
@@ -89,7 +89,7 @@ void MrptExplorer::setMap(const mrpt::maps::COccupancyGridMap2D& grid) {
 MrptMotion MrptExplorer::next(const mrpt::obs::CObservation2DRangeScan& scan,
                               const mrpt::poses::CPose2D& pose, bool collided) {
   auto& driver = state_->driver;
-  const auto command = driver.next(robot::fromMrpt(scan), toPose(pose), collided);
+  const auto command = driver.next(lidar::fromMrpt(scan), toPose(pose), collided);
   return {toMrpt(command), state_->period_s, driver.finished(), driver.currentDecision().reason};
 }
 

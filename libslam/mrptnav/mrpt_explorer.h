@@ -6,8 +6,8 @@
 
 #include "libslam/mrptnav/mrpt_motion.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/navigate/strategy.h"
 #include "libslam/robot/drive.h"
+#include "libslam/strategies/strategy.h"
 
 namespace mrpt::maps {
 class COccupancyGridMap2D;
@@ -23,10 +23,10 @@ namespace slam::mrptnav {
 
 /// The robot and its strategy, for the two classes below.
 struct MrptExplorerOptions {
-  navigate::StrategyOptions strategy;  ///< strategy.name: one of navigate::strategyNames()
-  robot::RobotOptions robot;           ///< body and limits of speed
-  double period_s = 0.2;               ///< between two scans
-  std::uint64_t seed = 1;              ///< of the strategies that draw
+  strategies::StrategyOptions strategy;  ///< strategy.name: one of strategies::strategyNames()
+  robot::RobotOptions robot;             ///< body and limits of speed
+  double period_s = 0.2;                 ///< between two scans
+  std::uint64_t seed = 1;                ///< of the strategies that draw
 };
 
 /// A strategy as one question: where to next? For robots that drive by their own means. Grids are MRPT's
@@ -52,7 +52,7 @@ class MrptStrategy {
   /// Every scan between the decisions, where there is time for it: map strategies learn from it where
   /// frontiers are walls.
   void seeScan(const mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& pose);
-  /// Errors: a scan that robot::fromMrpt refuses (InputError); the strategy needs a map and has none
+  /// Errors: a scan that lidar::fromMrpt refuses (InputError); the strategy needs a map and has none
   /// (ContractError).
   Answer decide(const mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& pose);
 
@@ -79,7 +79,7 @@ class MrptExplorer {
   /// The reference is not kept.
   void setMap(const mrpt::maps::COccupancyGridMap2D& grid);
   /// `collided`: the bumper cut the last command short. `finished` with a reason when nothing is left to
-  /// explore, or the strategy is stuck. Errors: a scan that robot::fromMrpt refuses (InputError); a map is
+  /// explore, or the strategy is stuck. Errors: a scan that lidar::fromMrpt refuses (InputError); a map is
   /// needed and was never set (ContractError).
   MrptMotion next(const mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& pose,
                   bool collided = false);

@@ -3,7 +3,7 @@
 #include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
 
 #include "libslam/core/elementary.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::mrptnav {
 
@@ -14,14 +14,14 @@ std::shared_ptr<mrpt::kinematics::CVehicleVelCmd_DiffDriven> toMrpt(const robot:
   return speeds;
 }
 
-std::vector<mrpt::math::TPose2D> toMrpt(const navigate::Decision& decision, const core::Pose2& T_map_robot) {
+std::vector<mrpt::math::TPose2D> toMrpt(const choices::Decision& decision, const core::Pose2& T_map_robot) {
   std::vector<mrpt::math::TPose2D> poses;
   if (decision.finished) return poses;
   if (decision.path.empty()) {
     const core::Pose2 turned = T_map_robot * core::Pose2{0, 0, decision.turn_rad};
-    if (decision.turn_rad != 0) poses.push_back(robot::toMrpt(turned));
+    if (decision.turn_rad != 0) poses.push_back(lidar::toMrpt(turned));
     if (decision.distance_m != 0)
-      poses.push_back(robot::toMrpt(turned * core::Pose2{decision.distance_m, 0, 0}));
+      poses.push_back(lidar::toMrpt(turned * core::Pose2{decision.distance_m, 0, 0}));
     return poses;
   }
   core::Pose2 pose = T_map_robot;
@@ -32,7 +32,7 @@ std::vector<mrpt::math::TPose2D> toMrpt(const navigate::Decision& decision, cons
     lookAt(waypoint);
     pose = {waypoint.x, waypoint.y, pose.phi};
     if (&waypoint == &decision.path.back() && decision.look_at) lookAt(*decision.look_at);
-    poses.push_back(robot::toMrpt(pose));
+    poses.push_back(lidar::toMrpt(pose));
   }
   return poses;
 }

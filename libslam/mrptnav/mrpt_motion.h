@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/navigate/strategy.h"
 #include "libslam/robot/drive.h"
+#include "libslam/strategies/strategy.h"
 
 namespace mrpt::kinematics {
 class CVehicleVelCmd_DiffDriven;
@@ -31,6 +31,6 @@ std::shared_ptr<mrpt::kinematics::CVehicleVelCmd_DiffDriven> toMrpt(const robot:
 /// that leads to it, the last one at what there is to be seen from there. Of a decision without a path (turn,
 /// then drive straight): the turned robot, where there is a turn, then the end of the drive. Empty when the
 /// exploration is finished.
-std::vector<mrpt::math::TPose2D> toMrpt(const navigate::Decision& decision, const core::Pose2& T_map_robot);
+std::vector<mrpt::math::TPose2D> toMrpt(const choices::Decision& decision, const core::Pose2& T_map_robot);
 
 }  // namespace slam::mrptnav

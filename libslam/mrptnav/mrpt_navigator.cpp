@@ -4,7 +4,7 @@
 #include <mrpt/poses/CPose2D.h>
 
 #include "libslam/core/error.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::mrptnav {
 
@@ -26,7 +26,7 @@ MrptNavigator::~MrptNavigator() = default;
 
 MrptMotion MrptNavigator::next(const mrpt::obs::CObservation2DRangeScan& scan,
                                const mrpt::poses::CPose2D& pose, bool collided) {
-  const auto step = navigator_->next(robot::fromMrpt(scan), robot::fromMrpt(pose.asTPose()), collided);
+  const auto step = navigator_->next(lidar::fromMrpt(scan), lidar::fromMrpt(pose.asTPose()), collided);
   status_ = step.status;
   return {toMrpt(step.command), period_s_, step.status != goals::GoalStatus::kMoving, step.reason};
 }

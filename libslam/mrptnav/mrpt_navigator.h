@@ -36,7 +36,7 @@ class MrptNavigator {
   ~MrptNavigator();
 
   /// `collided`: the bumper cut the last command short. `finished` with any final status. Errors: a scan that
-  /// robot::fromMrpt refuses (InputError).
+  /// lidar::fromMrpt refuses (InputError).
   MrptMotion next(const mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& pose,
                   bool collided = false);
   /// After the newest call.

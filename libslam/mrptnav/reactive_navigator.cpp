@@ -14,9 +14,9 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/goals/guarded_navigator.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::mrptnav {
 namespace {
@@ -71,7 +71,7 @@ class RobotForMrpt : public mrpt::nav::CRobot2NavInterface {
   bool getCurrentPoseAndSpeeds(mrpt::math::TPose2D& pose, mrpt::math::TTwist2D& velocity,
                                mrpt::system::TTimeStamp& stamp, mrpt::math::TPose2D& odometry,
                                std::string& /*frame*/) override {
-    pose = odometry = robot::toMrpt(T_odom_robot_);
+    pose = odometry = lidar::toMrpt(T_odom_robot_);
     velocity = {driven_.speed_mps * core::cos(T_odom_robot_.phi),
                 driven_.speed_mps * core::sin(T_odom_robot_.phi), driven_.turn_rate_radps};
     stamp = mrpt::Clock::now();
@@ -128,14 +128,14 @@ std::string octagon(double radius_m, double (*coordinate)(double)) {
   const double corner_m = radius_m / core::cos(core::kPi / 8);
   std::string text;
   for (int i = 0; i < 8; ++i)
-    text += core::formatNumber(corner_m * coordinate((i + 0.5) * core::kPi / 4)) + " ";
+    text += files::formatNumber(corner_m * coordinate((i + 0.5) * core::kPi / 4)) + " ";
   return text;
 }
 
 /// MRPT's file with our robot in it.
 mrpt::config::CConfigFileMemory configurationFor(const ReactiveOptions& options,
                                                  const goals::GoalTask& task) {
-  mrpt::config::CConfigFileMemory config(core::readTextFile(options.config));
+  mrpt::config::CConfigFileMemory config(files::readTextFile(options.config));
   const std::string reactive = "CReactiveNavigationSystem", common = "CAbstractPTGBasedReactive";
   const double radius_m = robot::circumscribedRadius(task.robot) + options.clearance_m;
   const double turn_rate_degps = core::radToDeg(task.robot.max_turn_rate_radps);
@@ -166,7 +166,7 @@ class ReactiveNavigator : public goals::GuardedNavigator {
                     const goals::GoalTask& task)
       : GuardedNavigator(navigate_options, task), reactive_(options), navigation_(robot_) {
     try {
-      const core::ScratchFolder scratch;
+      const files::ScratchFolder scratch;
       navigation_.loadConfigFile(configurationFor(options, task));
       navigation_.params_abstract_ptg_navigator.ptg_cache_files_directory = scratch.path();
       navigation_.initialize();
@@ -181,7 +181,7 @@ class ReactiveNavigator : public goals::GuardedNavigator {
   }
 
  private:
-  GoalStep plan(const robot::Scan& /*scan*/, const core::Pose2& T_odom_robot) override {
+  GoalStep plan(const lidar::Scan& /*scan*/, const core::Pose2& T_odom_robot) override {
     now_s_ += task_.period_s;
     GoalStep step = decide(T_odom_robot);
     robot_.drive(step.command);
@@ -195,7 +195,7 @@ class ReactiveNavigator : public goals::GuardedNavigator {
       return {{},
               GoalStatus::kGaveUp,
               "gave up",
-              "no nearer to the goal for " + core::formatNumber(reactive_.give_up_s) + " s"};
+              "no nearer to the goal for " + files::formatNumber(reactive_.give_up_s) + " s"};
     const double direction_rad = goalDirection(T_odom_robot), distance_m = goalDistance(T_odom_robot);
     if (turnsInPlace(T_odom_robot))
       return {surroundings_.turn(core::angleDifference(*heading_odom_rad_, T_odom_robot.phi)),

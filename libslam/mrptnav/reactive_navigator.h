@@ -2,7 +2,7 @@
 #include <memory>
 #include <string>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/goals/goal_navigator.h"
 
 namespace slam::mrptnav {
@@ -14,7 +14,7 @@ struct ReactiveOptions {
   double look_ahead_m;  ///< MRPT's ref_distance: obstacles and paths up to there count
   double give_up_s;     ///< without coming nearer to the goal
   ReactiveOptions();
-  static const core::ParameterTable<ReactiveOptions>& table();
+  static const files::ParameterTable<ReactiveOptions>& table();
 };
 
 /// False when the program was built without MRPT's module nav (Debian: libmrpt-nav-dev).

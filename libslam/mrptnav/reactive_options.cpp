@@ -2,9 +2,9 @@
 
 namespace slam::mrptnav {
 
-const core::ParameterTable<ReactiveOptions>& ReactiveOptions::table() {
+const files::ParameterTable<ReactiveOptions>& ReactiveOptions::table() {
   using O = ReactiveOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "mrpt_reactive",
       {{"config",
         &O::config,

@@ -72,11 +72,11 @@ void GridCaster::laserScanSimulator(mrpt::obs::CObservation2DRangeScan& scan,
   auto& generator = mrpt::random::getRandomGenerator();
 
   std::vector<float> to_wall, to_stop;
-  const auto castAll = [&](const world::SectorCaster& caster, std::vector<float>& ranges) {
+  const auto castAll = [&](const rays::SectorCaster& caster, std::vector<float>& ranges) {
     caster.castScan(T_map_sensor, {first_rad, step_rad, static_cast<int>(N)}, scan.maxRange, ranges);
   };
   // A ray turned by noise is no beam of the table.
-  const auto castTurned = [&](const world::SectorCaster& caster, double angle_rad) {
+  const auto castTurned = [&](const rays::SectorCaster& caster, double angle_rad) {
     return static_cast<float>(caster.castRay(core::position(T_map_sensor), angle_rad, scan.maxRange));
   };
   if (angle_noise_std > 0) {

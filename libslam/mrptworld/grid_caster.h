@@ -4,8 +4,8 @@
 
 #include <optional>
 
+#include "libslam/rays/sector_caster.h"
 #include "libslam/world/plan.h"
-#include "libslam/world/sector_caster.h"
 
 namespace slam::mrptworld {
 
@@ -34,7 +34,7 @@ class GridCaster {
   /// As MRPT's: reads aperture, rightToLeft, maxRange and sensorPose of `scan`; ray i of N is at
   /// -aperture/2 + i * aperture / (N - 1) and only every decimation-th is cast. A ray without return is
   /// invalid and gets maxRange. Noise, where asked for, comes from MRPT's own generator as it does there.
-  /// Exact as world::castScan() is, but that MRPT's scan keeps aperture and ranges as float.
+  /// Exact as rays::castScan() is, but that MRPT's scan keeps aperture and ranges as float.
   void laserScanSimulator(mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& robot_pose,
                           size_t N = 361, float noise_std = 0, unsigned decimation = 1,
                           float angle_noise_std = 0) const;
@@ -48,9 +48,9 @@ class GridCaster {
  private:
   float threshold_;
   world::Plan plan_;
-  world::SectorCaster walls_;
+  rays::SectorCaster walls_;
   /// Where unknown cells stop rays too: what the nearest stop of any kind is.
-  std::optional<world::SectorCaster> stops_;
+  std::optional<rays::SectorCaster> stops_;
 };
 
 }  // namespace slam::mrptworld

@@ -10,12 +10,12 @@
 #include "libslam/goals/look_first.h"
 #include "libslam/navigate/bumps.h"
 #include "libslam/navigate/escape.h"
-#include "libslam/navigate/strategy.h"
-#include "libslam/paths/free_ways.h"
-#include "libslam/paths/obstacle_memory.h"
 #include "libslam/paths/path_follower.h"
-#include "libslam/paths/safe_motion.h"
-#include "libslam/paths/view.h"
+#include "libslam/safety/free_ways.h"
+#include "libslam/safety/obstacle_memory.h"
+#include "libslam/safety/safe_motion.h"
+#include "libslam/safety/view.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::navigate {
 namespace {
@@ -34,14 +34,14 @@ enum class Phase { kDeciding, kTurning, kDriving, kBacking, kFollowing, kNavigat
 }  // namespace
 
 struct Driver::State {
-  std::unique_ptr<Strategy> strategy;
-  StrategyOptions options;
+  std::unique_ptr<strategies::Strategy> strategy;
+  strategies::StrategyOptions options;
   robot::RobotOptions robot;
   double period_s;
   core::RandomStream random;
 
   Phase phase = Phase::kDeciding;
-  Decision decision = {};
+  choices::Decision decision = {};
   bool escaping = false;  ///< the decision is a random free direction: only the disc has to fit
   int failures = 0;       ///< decisions in a row that led to no new place
   std::optional<core::Pose2> T_map_place = std::nullopt;  ///< the last new place
@@ -57,7 +57,7 @@ struct Driver::State {
   int barren = 0;             ///< decisions in a row without news
   double waited_s = 0;        ///< of the decision at hand
 
-  std::unique_ptr<paths::ObstacleMemory> memory = nullptr;
+  std::unique_ptr<safety::ObstacleMemory> memory = nullptr;
   Bumps bumps = {};
   std::vector<core::Point2> remembered = {};  ///< robot frame
   std::optional<goals::LookFirst> look_first = std::nullopt;
@@ -66,42 +66,42 @@ struct Driver::State {
   bool collided = false;   ///< by the last command
   bool w_follows = false;  ///< stop_clearance_m is that of stopClearance()
 
-  std::optional<robot::Command> advance(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  void decide(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> advance(const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  void decide(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   std::optional<robot::Command> turn(const core::Pose2& T_map_robot);
-  std::optional<robot::Command> drive(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  std::optional<robot::Command> back(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  std::optional<robot::Command> follow(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  std::optional<robot::Command> navigate(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  void sense(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> drive(const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> back(const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> follow(const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> navigate(const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  void sense(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   void startNavigator(const core::Pose2& T_map_robot);
   void endDrive(const core::Pose2& T_map_robot);
   std::optional<robot::Command> look(const robot::Command& command);
   bool isBarren();
   bool checkIsDue() const { return periods_unchecked * period_s >= options.recheck_s; }
 
-  double reach(const robot::Scan& scan, double direction_rad) const {
-    return paths::discReach(scan, direction_rad, robot, remembered);
+  double reach(const lidar::Scan& scan, double direction_rad) const {
+    return safety::discReach(scan, direction_rad, robot, remembered);
   }
   /// By the rule that the strategy drives by.
-  bool frontIsFree(const robot::Scan& scan) const {
+  bool frontIsFree(const lidar::Scan& scan) const {
     if (escaping) return true;
-    if (strategy->drivesByDisc()) return paths::seesAhead(scan);
-    const paths::FreeWays ways = paths::canMove(scan, options.stop_clearance_m, remembered);
-    return ways == paths::FreeWays::kBoth || ways == paths::FreeWays::kFrontOnly;
+    if (strategy->drivesByDisc()) return safety::seesAhead(scan);
+    const safety::FreeWays ways = safety::canMove(scan, options.stop_clearance_m, remembered);
+    return ways == safety::FreeWays::kBoth || ways == safety::FreeWays::kFrontOnly;
   }
-  bool rearIsFree(const robot::Scan& scan) const {
+  bool rearIsFree(const lidar::Scan& scan) const {
     const double body_m = robot::circumscribedRadius(robot);
     const double clearance_m =
         strategy->drivesByDisc() ? std::min(body_m, options.stop_clearance_m) : options.stop_clearance_m;
-    const paths::FreeWays ways = paths::canMove(scan, clearance_m, remembered);
-    return ways == paths::FreeWays::kBoth || ways == paths::FreeWays::kRearOnly;
+    const safety::FreeWays ways = safety::canMove(scan, clearance_m, remembered);
+    return ways == safety::FreeWays::kBoth || ways == safety::FreeWays::kRearOnly;
   }
   robot::Command straight(double distance_m) const { return {distance_m / period_s, 0, period_s}; }
   robot::Command stand() const { return {0, 0, period_s}; }
 };
 
-std::optional<robot::Command> Driver::State::advance(const robot::Scan& scan,
+std::optional<robot::Command> Driver::State::advance(const lidar::Scan& scan,
                                                      const core::Pose2& T_map_robot) {
   switch (phase) {
     case Phase::kDeciding:
@@ -136,7 +136,7 @@ bool Driver::State::isBarren() {
   return ++barren > options.give_up_after;
 }
 
-void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+void Driver::State::decide(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   if (!T_map_place) T_map_place = T_map_robot;
   if (strategy->needsMap() && isBarren()) {
     const std::string last = decision.reason;
@@ -169,7 +169,7 @@ void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_rob
 
 /// The newest scan, and what it shows besides itself: the obstacles that are remembered, and the w that
 /// follows from it.
-void Driver::State::sense(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+void Driver::State::sense(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   strategy->seeCommand(std::exchange(told, {}));
   strategy->seeScan(scan, T_map_robot);
   memory->update(scan, T_map_robot);
@@ -183,7 +183,7 @@ void Driver::State::sense(const robot::Scan& scan, const core::Pose2& T_map_robo
     for (const auto& p_robot : look_first->hidden()) remembered.push_back(p_robot);
   }
   if (!w_follows) return;
-  options.stop_clearance_m = paths::stopClearance(robot, period_s, scan.range_sigma_m);
+  options.stop_clearance_m = safety::stopClearance(robot, period_s, scan.range_sigma_m);
   strategy->setStopClearance(options.stop_clearance_m);
 }
 
@@ -211,7 +211,7 @@ void Driver::State::startNavigator(const core::Pose2& T_map_robot) {
   phase = Phase::kNavigating;
 }
 
-std::optional<robot::Command> Driver::State::navigate(const robot::Scan& scan,
+std::optional<robot::Command> Driver::State::navigate(const lidar::Scan& scan,
                                                       const core::Pose2& T_map_robot) {
   const goals::GoalStep step = navigator->next(scan, T_map_robot, collided);
   if (step.status == goals::GoalStatus::kMoving) return step.command;
@@ -231,7 +231,7 @@ std::optional<robot::Command> Driver::State::turn(const core::Pose2& T_map_robot
   return robot::Command{0, std::clamp(rest_rad, -most_rad, most_rad) / period_s, period_s};
 }
 
-std::optional<robot::Command> Driver::State::drive(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+std::optional<robot::Command> Driver::State::drive(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   const double driven_m = core::distance(T_map_begin, T_map_robot);
   const double rest_m = decision.distance_m - driven_m;
   if (rest_m < kShortestDrive_m) {
@@ -248,7 +248,7 @@ std::optional<robot::Command> Driver::State::drive(const robot::Scan& scan, cons
   return straight(step_m);
 }
 
-std::optional<robot::Command> Driver::State::back(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+std::optional<robot::Command> Driver::State::back(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   const double rest_m = options.back_off_m - core::distance(T_map_begin, T_map_robot);
   const double step_m = std::min({rest_m, robot.max_speed_mps * period_s, reach(scan, core::kPi)});
   const robot::Command command = straight(-step_m);
@@ -260,7 +260,7 @@ std::optional<robot::Command> Driver::State::back(const robot::Scan& scan, const
   return command;
 }
 
-std::optional<robot::Command> Driver::State::follow(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+std::optional<robot::Command> Driver::State::follow(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   if (map_is_new) {
     periods_unchecked = 0;
     if (!strategy->isStillGood(decision, T_map_robot, follower.waypoint())) {
@@ -292,21 +292,21 @@ void Driver::State::endDrive(const core::Pose2& T_map_robot) {
   phase = Phase::kDeciding;
 }
 
-Driver::Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& options,
+Driver::Driver(std::unique_ptr<strategies::Strategy> strategy, const strategies::StrategyOptions& options,
                const robot::RobotOptions& robot, double period_s, core::RandomStream random) {
   if (!strategy) throw core::ContractError("Driver: expected a strategy");
   if (!(period_s > 0) || !std::isfinite(period_s))
     throw core::ContractError("Driver: expected a positive period");
   strategy->setRobot(robot);
   state_ = std::make_unique<State>(State{std::move(strategy), options, robot, period_s, random});
-  state_->memory = paths::makeObstacleMemory(options.memory, options.obstacles);
+  state_->memory = safety::makeObstacleMemory(options.memory, options.obstacles);
   if (options.unseen == "looked_at") state_->look_first.emplace(robot, period_s, options.obstacles);
   state_->w_follows = options.stop_clearance_m == 0;
 }
 
 Driver::~Driver() = default;
 
-robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided) {
+robot::Command Driver::next(const lidar::Scan& scan, const core::Pose2& T_map_robot, bool collided) {
   State& state = *state_;
   state.sense(scan, T_map_robot);
   state.collided = collided;
@@ -335,7 +335,7 @@ robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_ro
   return command;
 }
 
-void Driver::watch(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+void Driver::watch(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   state_->sense(scan, T_map_robot);
 }
 
@@ -343,11 +343,11 @@ void Driver::reconsider() {
   if (!finished()) state_->phase = Phase::kDeciding;
 }
 
-void Driver::setTeam(const std::vector<Teammate>& team) {
+void Driver::setTeam(const std::vector<choices::Teammate>& team) {
   state_->strategy->seeTeam(team);
 }
 
-const Strategy& Driver::strategy() const {
+const strategies::Strategy& Driver::strategy() const {
   return *state_->strategy;
 }
 
@@ -371,7 +371,7 @@ bool Driver::finished() const {
   return state_->decision.finished;
 }
 
-const Decision& Driver::currentDecision() const {
+const choices::Decision& Driver::currentDecision() const {
   return state_->decision;
 }
 

@@ -4,9 +4,9 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
 #include "libslam/gridmap/occupancy_raster.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::navigate {
 
@@ -32,8 +32,8 @@ namespace slam::navigate {
 class Driver {
  public:
   /// Errors: period_s not positive, no strategy (ContractError).
-  Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& options, const robot::RobotOptions& robot,
-         double period_s, core::RandomStream random);
+  Driver(std::unique_ptr<strategies::Strategy> strategy, const strategies::StrategyOptions& options,
+         const robot::RobotOptions& robot, double period_s, core::RandomStream random);
   ~Driver();
   /// True when the strategy needs a map and next() will decide, or has to check the path that it follows:
   /// call setMap() before next() then. Always false for strategies without a map.
@@ -43,16 +43,16 @@ class Driver {
   /// The command for the next period. `collided`: the last command ended in a collision. T_map_robot: the
   /// robot in the frame of the map; without a map in odometry's frame. Errors: the strategy needs a map and
   /// setMap() was never called (ContractError).
-  robot::Command next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided);
+  robot::Command next(const lidar::Scan& scan, const core::Pose2& T_map_robot, bool collided);
   /// In place of next() while something else drives the robot: scans are looked at, nothing is decided.
-  void watch(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  void watch(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   /// The decision at hand is dropped, without blame: the next call of next() decides.
   void reconsider();
   /// What is known of the other robots, for the strategy: see Strategy::seeTeam().
-  void setTeam(const std::vector<Teammate>& team);
-  const Strategy& strategy() const;
+  void setTeam(const std::vector<choices::Teammate>& team);
+  const strategies::Strategy& strategy() const;
   bool finished() const;
-  const Decision& currentDecision() const;
+  const choices::Decision& currentDecision() const;
 
  private:
   struct State;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "libslam/paths/view.h"
+#include "libslam/safety/view.h"
 
 namespace slam::navigate {
 namespace {
@@ -14,20 +14,20 @@ constexpr double kEscapeStep_rad = core::kPi / 36;
 
 }  // namespace
 
-Decision escapeFrom(const robot::Scan& scan, const std::function<double(double)>& reach_m,
-                    core::RandomStream& random) {
+choices::Decision escapeFrom(const lidar::Scan& scan, const std::function<double(double)>& reach_m,
+                             core::RandomStream& random) {
   struct Way {
     double angle_rad, reach_m;
   };
   std::vector<Way> ways;
   double last_rad = -core::kPi;
-  for (const auto& beam : paths::seenBeams(scan)) {
+  for (const auto& beam : safety::seenBeams(scan)) {
     if (beam.angle_rad - last_rad < kEscapeStep_rad) continue;
     last_rad = beam.angle_rad;
     const double free_m = std::min(beam.range_m, reach_m(beam.angle_rad));
     if (free_m >= kShortestEscape_m) ways.push_back({beam.angle_rad, free_m});
   }
-  Decision chosen;
+  choices::Decision chosen;
   char reason[80];
   if (ways.empty()) {
     // Nothing that is seen is free: look elsewhere, at least a quarter turn away.

@@ -10,8 +10,8 @@
 namespace slam::navigate {
 namespace {
 
-navigate::Decision finishedBecause(const std::string& reason) {
-  navigate::Decision decision;
+choices::Decision finishedBecause(const std::string& reason) {
+  choices::Decision decision;
   decision.finished = true;
   decision.reason = reason;
   return decision;
@@ -19,7 +19,7 @@ navigate::Decision finishedBecause(const std::string& reason) {
 
 }  // namespace
 
-navigate::Decision ReturnToStart::decide(const robot::Scan& /*scan*/, const core::Pose2& T_map_robot) {
+choices::Decision ReturnToStart::decide(const lidar::Scan& /*scan*/, const core::Pose2& T_map_robot) {
   if (!space_) throw core::ContractError("ReturnToStart: decides by a map and was given none");
   if (core::distance(core::position(T_map_robot), core::Point2{}) <= kBackAtStart_m)
     return finishedBecause("back at the start");
@@ -38,7 +38,7 @@ navigate::Decision ReturnToStart::decide(const robot::Scan& /*scan*/, const core
   if (const auto access = planner.accessOf(node)) node = *access;
   if (!planner.isReached(node)) return finishedBecause("no way back to the start by the map");
   const auto way = planner.way(node);
-  navigate::Decision decision;
+  choices::Decision decision;
   decision.path = planner.shortened(way);
   // A start in no node's middle: the last step leads to the very place when that is as good.
   if (!decision.path.empty() && core::distance(decision.path.back(), core::Point2{}) <= planning.node_m)

@@ -117,7 +117,7 @@ void RightOfWay::leave(const core::Pose2& T_map_robot, const std::vector<Neighbo
 }
 
 /// Nothing: it is over.
-std::optional<robot::Command> RightOfWay::giveWay(const robot::Scan& scan, const core::Pose2& T_map_robot,
+std::optional<robot::Command> RightOfWay::giveWay(const lidar::Scan& scan, const core::Pose2& T_map_robot,
                                                   const std::vector<NeighbourRobot>& neighbours) {
   away_s_ += period_s_;
   if (follower_) {
@@ -137,7 +137,7 @@ std::optional<robot::Command> RightOfWay::giveWay(const robot::Scan& scan, const
   return std::nullopt;
 }
 
-RightOfWay::Answer RightOfWay::next(const std::optional<robot::Command>& wanted, const robot::Scan& scan,
+RightOfWay::Answer RightOfWay::next(const std::optional<robot::Command>& wanted, const lidar::Scan& scan,
                                     const core::Pose2& T_map_robot,
                                     const std::vector<NeighbourRobot>& neighbours,
                                     const std::function<gridmap::OccupancyRaster()>& map) {

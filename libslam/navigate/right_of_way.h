@@ -5,9 +5,9 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/gridmap/occupancy_raster.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/paths/path_follower.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
 
 namespace slam::navigate {
 
@@ -44,7 +44,7 @@ class RightOfWay {
   bool givesWay() const { return waiting_ || follower_.has_value(); }
   /// The command to carry out. `wanted` is the driver's, or nullopt while givesWay(). `map` is asked only
   /// when a place to give way to is looked for.
-  Answer next(const std::optional<robot::Command>& wanted, const robot::Scan& scan,
+  Answer next(const std::optional<robot::Command>& wanted, const lidar::Scan& scan,
               const core::Pose2& T_map_robot, const std::vector<NeighbourRobot>& neighbours,
               const std::function<gridmap::OccupancyRaster()>& map);
 
@@ -54,7 +54,7 @@ class RightOfWay {
   bool isPressed(const core::Pose2& T_map_robot, const std::vector<NeighbourRobot>& neighbours) const;
   void leave(const core::Pose2& T_map_robot, const std::vector<NeighbourRobot>& neighbours,
              const gridmap::OccupancyRaster& map);
-  std::optional<robot::Command> giveWay(const robot::Scan& scan, const core::Pose2& T_map_robot,
+  std::optional<robot::Command> giveWay(const lidar::Scan& scan, const core::Pose2& T_map_robot,
                                         const std::vector<NeighbourRobot>& neighbours);
   double contact_m() const { return 2 * robot::circumscribedRadius(robot_); }
   robot::Command stand() const { return {0, 0, period_s_}; }

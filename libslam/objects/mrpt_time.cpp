@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::objects {
 namespace {
@@ -20,7 +20,7 @@ constexpr double kYear10000_s = 253'402'300'800.0;
 std::int64_t mrptTicks(double time_s) {
   const double earliest_s = -static_cast<double>(kUnixEpochTicks / kTicksPerSecond);
   if (!(time_s > earliest_s && time_s < kYear10000_s))
-    throw core::ContractError("a stamp of " + core::formatNumber(time_s) +
+    throw core::ContractError("a stamp of " + files::formatNumber(time_s) +
                               " s is outside the years 1601 to 9999");
   // Whole seconds and the rest apart: their product with 10^7 at once would not fit into a double's 53 bits.
   const double whole_s = std::floor(time_s);

@@ -1,8 +1,8 @@
 #include "libslam/objects/sweep_note.h"
 
 #include "libslam/core/error.h"
-#include "libslam/core/ini.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::objects {
 namespace {
@@ -15,8 +15,8 @@ struct Fields {
   bool clockwise;
 };
 
-const core::ParameterTable<Fields>& table() {
-  static const core::ParameterTable<Fields> rows(
+const files::ParameterTable<Fields>& table() {
+  static const files::ParameterTable<Fields> rows(
       kSection,
       {{"label", &Fields::label, "", {}, "sensor label of the lidar"},
        {"duration_s", &Fields::duration_s, 0.0, 0.0, 1e3, "from the first to the last beam"},
@@ -28,18 +28,18 @@ const core::ParameterTable<Fields>& table() {
 }  // namespace
 
 std::string formatSweepNote(const SweepNote& note) {
-  return "[sweep]\nlabel = " + note.label + "\nduration_s = " + core::formatNumber(note.sweep.duration_s) +
+  return "[sweep]\nlabel = " + note.label + "\nduration_s = " + files::formatNumber(note.sweep.duration_s) +
          "\nclockwise = " + (note.sweep.clockwise ? "true" : "false") +
-         "\nstamped_share = " + core::formatNumber(note.sweep.stamped_share) + "\n";
+         "\nstamped_share = " + files::formatNumber(note.sweep.stamped_share) + "\n";
 }
 
 std::optional<SweepNote> parseSweepNote(const std::string& text) {
   if (text.rfind("[sweep]\n", 0) != 0) return std::nullopt;
-  const auto ini = core::IniFile::parse(text, "sweep note");
-  core::rejectUnknownSections(ini, {kSection});
+  const auto ini = files::IniFile::parse(text, "sweep note");
+  files::rejectUnknownSections(ini, {kSection});
   Fields fields;
   table().setDefaults(fields);
-  core::readParameters(ini, table(), fields);
+  files::readParameters(ini, table(), fields);
   for (const char* key : {"label", "duration_s"})
     if (!ini.find(kSection, key))
       throw core::InputError(std::string("sweep note: key '") + key + "' is missing");

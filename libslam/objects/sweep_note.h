@@ -2,7 +2,7 @@
 #include <optional>
 #include <string>
 
-#include "libslam/robot/deskew.h"
+#include "libslam/lidar/deskew.h"
 
 namespace slam::objects {
 
@@ -17,7 +17,7 @@ namespace slam::objects {
 ///   stamped_share = 1
 struct SweepNote {
   std::string label;  ///< of the lidar's scans
-  robot::Sweep sweep;
+  lidar::Sweep sweep;
 };
 
 std::string formatSweepNote(const SweepNote& note);

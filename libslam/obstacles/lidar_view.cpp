@@ -12,8 +12,8 @@ namespace {
 
 /// Where a beam's visible floor ends.
 double depthOf(float reading_m, double max_range_m, double reach_m, double margin_m) {
-  if (robot::isReturn(reading_m)) return std::min(static_cast<double>(reading_m) + margin_m, reach_m);
-  return reading_m == robot::kNoReturn ? std::min(max_range_m, reach_m) : 0.0;
+  if (lidar::isReturn(reading_m)) return std::min(static_cast<double>(reading_m) + margin_m, reach_m);
+  return reading_m == lidar::kNoReturn ? std::min(max_range_m, reach_m) : 0.0;
 }
 
 }  // namespace
@@ -22,9 +22,9 @@ SectorOptions::SectorOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<SectorOptions>& SectorOptions::table() {
+const files::ParameterTable<SectorOptions>& SectorOptions::table() {
   using O = SectorOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "sector",
       {{"width_deg", &O::width_rad, 60.0, 0.1, 360.0, "angle of the scan that counts, around the heading"},
        {"reach_m", &O::reach_m, 4.0, 0.0, 1000.0, "farther returns do not count; 0 = no limit"},
@@ -33,7 +33,7 @@ const core::ParameterTable<SectorOptions>& SectorOptions::table() {
   return rows;
 }
 
-LidarView::LidarView(const robot::Scan& scan, const SectorOptions& options)
+LidarView::LidarView(const lidar::Scan& scan, const SectorOptions& options)
     : T_robot_lidar_(scan.T_robot_lidar),
       first_angle_rad_(scan.first_angle_rad),
       step_rad_(scan.step_rad),
@@ -45,7 +45,7 @@ LidarView::LidarView(const robot::Scan& scan, const SectorOptions& options)
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const float reading_m = scan.ranges_m[i];
     depths_m_.push_back(depthOf(reading_m, scan.max_range_m, reach_m, options.depth_margin_m));
-    const bool counts = robot::isReturn(reading_m) && reading_m <= reach_m;
+    const bool counts = lidar::isReturn(reading_m) && reading_m <= reach_m;
     if (!counts || std::abs(bearing(i)) > half_width_rad_) continue;
     const double angle_rad = scan.angle(i), range_m = reading_m;
     obstacles_.push_back(T_robot_lidar_ * core::polar(range_m, angle_rad));

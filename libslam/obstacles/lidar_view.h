@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/obstacles/visible_area.h"
-#include "libslam/robot/scan.h"
 
 namespace slam::obstacles {
 
@@ -14,7 +14,7 @@ struct SectorOptions {
   double depth_margin_m;  ///< how far behind a return the remembered points belong to it
 
   SectorOptions();
-  static const core::ParameterTable<SectorOptions>& table();
+  static const files::ParameterTable<SectorOptions>& table();
 };
 
 /// What a scan sees in a sector that looks along the robot's heading from where the lidar is: along each beam
@@ -24,7 +24,7 @@ struct SectorOptions {
 /// A point belongs to the beam nearest in angle; a scan that does not cover the whole sector sees less.
 class LidarView : public VisibleArea {
  public:
-  LidarView(const robot::Scan& scan, const SectorOptions& options);
+  LidarView(const lidar::Scan& scan, const SectorOptions& options);
 
   bool contains(const core::Point2& p_robot) const override;
   std::vector<core::Point2> outline(double reach_m) const override;

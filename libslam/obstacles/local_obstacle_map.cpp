@@ -40,9 +40,9 @@ LocalObstacleOptions::LocalObstacleOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<LocalObstacleOptions>& LocalObstacleOptions::table() {
+const files::ParameterTable<LocalObstacleOptions>& LocalObstacleOptions::table() {
   using O = LocalObstacleOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "obstacles", {{"width_m", &O::width_m, 5.0, 0.01, 1000.0, "of the local zone, half to either side"},
                     {"front_m", &O::front_m, 4.0, 0.0, 1000.0, "how far the local zone reaches ahead"},
                     {"rear_m", &O::rear_m, 2.0, 0.0, 1000.0, "how far the local zone reaches behind"},

@@ -2,8 +2,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/parameters.h"
 #include "libslam/obstacles/visible_area.h"
 
 namespace slam::obstacles {
@@ -16,7 +16,7 @@ struct LocalObstacleOptions {
   int max_points;           ///< most points remembered
 
   LocalObstacleOptions();
-  static const core::ParameterTable<LocalObstacleOptions>& table();
+  static const files::ParameterTable<LocalObstacleOptions>& table();
 };
 
 /// The obstacles around the robot: those that its camera (or a sector of its lidar) sees now, and those that

@@ -12,7 +12,7 @@ namespace {
 /// counter-clockwise, N of them to the full circle. Beams outside a partial field of view do not exist.
 class OriginalScan {
  public:
-  explicit OriginalScan(const robot::Scan& scan)
+  explicit OriginalScan(const lidar::Scan& scan)
       : scan_(scan),
         circle_(std::lround(2 * core::kPi / scan.step_rad)),
         ahead_(std::lround((-scan.T_robot_lidar.phi - scan.first_angle_rad) / scan.step_rad)) {}
@@ -22,7 +22,7 @@ class OriginalScan {
   bool hasBeam(long index) const { return beam(index) < scan_.ranges_m.size(); }
 
   /// Reading at an index; lost where there is no such beam.
-  float at(long index) const { return hasBeam(index) ? scan_.ranges_m[beam(index)] : robot::kLostReading; }
+  float at(long index) const { return hasBeam(index) ? scan_.ranges_m[beam(index)] : lidar::kLostReading; }
 
   /// Index of the largest range; of equal ones the first. A no-return is the largest range there is.
   std::optional<long> longest() const {
@@ -42,11 +42,11 @@ class OriginalScan {
     return static_cast<size_t>((((ahead_ + index) % circle_) + circle_) % circle_);
   }
 
-  const robot::Scan& scan_;
+  const lidar::Scan& scan_;
   long circle_, ahead_;
 };
 
-bool sameBeams(const robot::Scan& a, const robot::Scan& b) {
+bool sameBeams(const lidar::Scan& a, const lidar::Scan& b) {
   return a.ranges_m.size() == b.ranges_m.size() && std::abs(a.step_rad - b.step_rad) < 1e-3 * a.step_rad &&
          std::abs(a.first_angle_rad - b.first_angle_rad) < 1e-3 * a.step_rad;
 }
@@ -59,7 +59,7 @@ long wrapIndex(long shift, long circle) {
 }
 
 std::optional<double> difference(float before, float after) {
-  if (!robot::isReturn(before) || !robot::isReturn(after)) return std::nullopt;
+  if (!lidar::isReturn(before) || !lidar::isReturn(after)) return std::nullopt;
   return static_cast<double>(before) - static_cast<double>(after);
 }
 
@@ -90,10 +90,10 @@ class ArgmaxOdometry : public ScanOdometry {
 
   void reset() override { before_.reset(), previous_.reset(); }
 
-  ScanMotion update(const robot::Scan& scan, const Commanded& commanded) override {
+  ScanMotion update(const lidar::Scan& scan, const Commanded& commanded) override {
     requireUsable(scan);
     const Commanded told = options_.method == "argmax_blind" ? Commanded() : commanded;
-    const std::optional<robot::Scan> previous = std::exchange(previous_, scan);
+    const std::optional<lidar::Scan> previous = std::exchange(previous_, scan);
     if (!previous || told.kind == MotionKind::kRest) {
       before_.reset();
       return noMotionYet();
@@ -125,7 +125,7 @@ class ArgmaxOdometry : public ScanOdometry {
   }
 
   /// From the scan before the command to this one.
-  ScanMotion sinceCommand(const robot::Scan& scan, MotionKind kind) const {
+  ScanMotion sinceCommand(const lidar::Scan& scan, MotionKind kind) const {
     if (!sameBeams(*before_, scan)) return unknownMotion(options_);
     const OriginalScan before(*before_), after(scan);
     const std::optional<long> longest_before = before.longest(), longest_after = after.longest();
@@ -138,7 +138,7 @@ class ArgmaxOdometry : public ScanOdometry {
                                     : turn(static_cast<double>(shift) * scan.step_rad, scan);
   }
 
-  ScanMotion turn(double angle_rad, const robot::Scan& scan) const {
+  ScanMotion turn(double angle_rad, const lidar::Scan& scan) const {
     ScanMotion motion;
     motion.turn_reading_rad = angle_rad;
     motion.T_previous_current.phi = core::wrapToPi(angle_rad);
@@ -148,7 +148,7 @@ class ArgmaxOdometry : public ScanOdometry {
 
   /// A move while the robot turned by `shift` beams, 0 for a pure one.
   ScanMotion move(const OriginalScan& before, const OriginalScan& after, long shift,
-                  const robot::Scan& scan) const {
+                  const lidar::Scan& scan) const {
     const long behind = before.circle() / 2, chord = shift / 2;
     const auto front = difference(before.at(chord), after.at(chord - shift));
     const auto rear = difference(before.at(chord + behind), after.at(chord - shift + behind));
@@ -168,7 +168,7 @@ class ArgmaxOdometry : public ScanOdometry {
 
   /// What quantisation and range noise alone explain. The method's real errors are blunders, for which no
   /// covariance stands.
-  static void setCovariance(ScanMotion& motion, const robot::Scan& scan, int readings) {
+  static void setCovariance(ScanMotion& motion, const lidar::Scan& scan, int readings) {
     const double sigma = std::max(scan.range_sigma_m, 0.001);
     // Two indices, each uniform over one beam: 2 step^2 / 12.
     motion.covariance[8] = scan.step_rad * scan.step_rad / 6;
@@ -177,7 +177,7 @@ class ArgmaxOdometry : public ScanOdometry {
   }
 
   ScanOdometryOptions options_;
-  std::optional<robot::Scan> before_, previous_;  ///< before_: the command that is under way
+  std::optional<lidar::Scan> before_, previous_;  ///< before_: the command that is under way
   ScanMotion so_far_;                             ///< from before_, as it was read last
 };
 

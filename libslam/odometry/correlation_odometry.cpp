@@ -29,7 +29,7 @@ class CorrelationOdometry : public ScanOdometry {
 
   void reset() override { previous_.reset(); }
 
-  ScanMotion update(const robot::Scan& scan, const Commanded&) override {
+  ScanMotion update(const lidar::Scan& scan, const Commanded&) override {
     requireUsable(scan);
     Frame current{scan, findLocalLines(scan)};
     const ScanMotion motion = previous_ ? estimate(*previous_, current) : noMotionYet();
@@ -39,7 +39,7 @@ class CorrelationOdometry : public ScanOdometry {
 
  private:
   struct Frame {
-    robot::Scan scan;
+    lidar::Scan scan;
     ScanLines lines;
   };
 
@@ -59,7 +59,7 @@ class CorrelationOdometry : public ScanOdometry {
     return motion;
   }
 
-  std::vector<double> startingTurns(const robot::Scan& before, const robot::Scan& after) const {
+  std::vector<double> startingTurns(const lidar::Scan& before, const lidar::Scan& after) const {
     std::vector<double> turns;
     for (const auto& peak : correlateProfiles(before, after, options_.max_turn_rad, kCandidates))
       turns.push_back(peak.turn_rad);

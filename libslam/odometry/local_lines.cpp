@@ -42,7 +42,7 @@ struct Moments {
 /// sums over it give the moments of any run of beams at once.
 class LineGrower {
  public:
-  LineGrower(const robot::Scan& scan, const ScanLines& model)
+  LineGrower(const lidar::Scan& scan, const ScanLines& model)
       : model_(model),
         pad_(model.full_circle ? std::min<long>(kReach, static_cast<long>(model.points.size())) : 0) {
     const double sigma = std::max(1.5 * model.sigma_m, kSmallestSpread_m);
@@ -78,7 +78,7 @@ class LineGrower {
   }
 
  private:
-  bool sameSurface(const robot::Scan& scan, size_t a, size_t b) const {
+  bool sameSurface(const lidar::Scan& scan, size_t a, size_t b) const {
     if (!model_.is_return[a] || !model_.is_return[b]) return false;
     const double range = std::min(scan.ranges_m[a], scan.ranges_m[b]);
     const double gap = kSteepest * range * model_.step_rad + 4 * model_.sigma_m;
@@ -169,15 +169,15 @@ class LineGrower {
 // cos(angle - a) / d, a sinusoid of the angle, so that u[i-1] - 2 cos(step) u[i] + u[i+1] is 0 on any wall,
 // however steeply seen; what is left is noise, which dr = -r^2 du takes to metres. The median over all beams
 // ignores corners and edges.
-double estimateNoise(const robot::Scan& scan) {
+double estimateNoise(const lidar::Scan& scan) {
   const double c = 2 * core::cos(scan.step_rad);
   const double gain = std::sqrt(2 + c * c);
   std::vector<double> noise;
   noise.reserve(scan.ranges_m.size());
   for (size_t i = 1; i + 1 < scan.ranges_m.size(); ++i) {
     const double left = scan.ranges_m[i - 1], middle = scan.ranges_m[i], right = scan.ranges_m[i + 1];
-    if (!robot::isReturn(scan.ranges_m[i - 1]) || !robot::isReturn(scan.ranges_m[i]) ||
-        !robot::isReturn(scan.ranges_m[i + 1]))
+    if (!lidar::isReturn(scan.ranges_m[i - 1]) || !lidar::isReturn(scan.ranges_m[i]) ||
+        !lidar::isReturn(scan.ranges_m[i + 1]))
       continue;
     noise.push_back(middle * middle * std::abs(1 / left - c / middle + 1 / right) / gain);
   }
@@ -187,7 +187,7 @@ double estimateNoise(const robot::Scan& scan) {
 
 // Sine and cosine anew at every 32nd, between them by rotation, which is good
 // to 1e-14.
-std::vector<core::Point2> beamDirections(const robot::Scan& scan) {
+std::vector<core::Point2> beamDirections(const lidar::Scan& scan) {
   std::vector<core::Point2> directions(scan.ranges_m.size());
   const auto [s, c] = core::sinCos(scan.step_rad);
   for (size_t i = 0; i < directions.size(); ++i) {
@@ -201,7 +201,7 @@ std::vector<core::Point2> beamDirections(const robot::Scan& scan) {
   return directions;
 }
 
-ScanLines findLocalLines(const robot::Scan& scan) {
+ScanLines findLocalLines(const lidar::Scan& scan) {
   const size_t n = scan.ranges_m.size();
   ScanLines model;
   model.first_angle_rad = scan.first_angle_rad;
@@ -213,7 +213,7 @@ ScanLines findLocalLines(const robot::Scan& scan) {
   model.points.assign(n, {});
   const std::vector<core::Point2> directions = beamDirections(scan);
   for (size_t i = 0; i < n; ++i) {
-    if (!robot::isReturn(scan.ranges_m[i])) continue;
+    if (!lidar::isReturn(scan.ranges_m[i])) continue;
     const double range = static_cast<double>(scan.ranges_m[i]);
     model.is_return[i] = 1;
     model.points[i] = {range * directions[i].x, range * directions[i].y};

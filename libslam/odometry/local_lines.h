@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::odometry {
 
@@ -28,13 +28,13 @@ struct ScanLines {
 /// Grows each line from its return beam by beam to both sides (up to 20 beams each, 1.5 m in all), as long as
 /// the beams stay on one surface and the spread about the line stays within the noise. Running sums give the
 /// spread of any run of beams at once, so the cost is about that of the beams.
-ScanLines findLocalLines(const robot::Scan& scan);
+ScanLines findLocalLines(const lidar::Scan& scan);
 
 /// Standard deviation of the ranges, as seen in the scan itself: the median departure of three neighbouring
 /// beams from a straight wall. 0 without three neighbouring returns.
-double estimateNoise(const robot::Scan& scan);
+double estimateNoise(const lidar::Scan& scan);
 
 /// Unit vectors along the beams, lidar frame.
-std::vector<core::Point2> beamDirections(const robot::Scan& scan);
+std::vector<core::Point2> beamDirections(const lidar::Scan& scan);
 
 }  // namespace slam::odometry

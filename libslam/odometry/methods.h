@@ -10,7 +10,7 @@ std::unique_ptr<ScanOdometry> makeRangeFlowOdometry(const ScanOdometryOptions& o
 std::unique_ptr<ScanOdometry> makePlicpOdometry(const ScanOdometryOptions& options);
 
 /// ContractError unless the scan has at least 2 beams and a finite, positive step.
-void requireUsable(const robot::Scan& scan);
+void requireUsable(const lidar::Scan& scan);
 
 /// The motion of the robot from that of the lidar on it, T_robot_lidar * T_lidar * T_robot_lidar^-1, with the
 /// covariance (row-major over x, y, phi, as in ScanMotion) to first order, and the ideal readings.

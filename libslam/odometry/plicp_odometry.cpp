@@ -33,7 +33,7 @@ class PlicpOdometry : public ScanOdometry {
 
   void reset() override { previous_.reset(), T_step_ = {}; }
 
-  ScanMotion update(const robot::Scan& scan, const Commanded&) override {
+  ScanMotion update(const lidar::Scan& scan, const Commanded&) override {
     requireUsable(scan);
     Frame current{scan, findLocalLines(scan)};
     const ScanMotion motion = previous_ ? estimate(*previous_, current) : noMotionYet();
@@ -43,7 +43,7 @@ class PlicpOdometry : public ScanOdometry {
 
  private:
   struct Frame {
-    robot::Scan scan;
+    lidar::Scan scan;
     ScanLines lines;
   };
 

@@ -16,13 +16,13 @@ struct Profile {
   std::vector<double> value, known;
 };
 
-Profile logProfile(const robot::Scan& scan) {
+Profile logProfile(const lidar::Scan& scan) {
   Profile profile;
   profile.value.assign(scan.ranges_m.size(), 0.0);
   profile.known.assign(scan.ranges_m.size(), 0.0);
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     double range = static_cast<double>(scan.ranges_m[i]);
-    if (range == robot::kNoReturn) range = scan.max_range_m;
+    if (range == lidar::kNoReturn) range = scan.max_range_m;
     if (!std::isfinite(range) || range <= 0) continue;
     profile.value[i] = core::log(range);
     profile.known[i] = 1;
@@ -31,7 +31,7 @@ Profile logProfile(const robot::Scan& scan) {
 }
 
 /// The profile on the beams of `target`: nearest beam, unknown where `source` does not look.
-Profile resample(const Profile& profile, const robot::Scan& source, const robot::Scan& target) {
+Profile resample(const Profile& profile, const lidar::Scan& source, const lidar::Scan& target) {
   const size_t n = target.ranges_m.size();
   Profile out;
   out.value.assign(n, 0.0);
@@ -46,7 +46,7 @@ Profile resample(const Profile& profile, const robot::Scan& source, const robot:
   return out;
 }
 
-bool sameBeams(const robot::Scan& a, const robot::Scan& b) {
+bool sameBeams(const lidar::Scan& a, const lidar::Scan& b) {
   return a.ranges_m.size() == b.ranges_m.size() && std::abs(a.step_rad - b.step_rad) < 1e-3 * a.step_rad &&
          std::abs(a.first_angle_rad - b.first_angle_rad) < 1e-3 * a.step_rad;
 }
@@ -96,7 +96,7 @@ double parabolaTop(double left, double middle, double right) {
 
 }  // namespace
 
-std::vector<TurnCandidate> correlateProfiles(const robot::Scan& before, const robot::Scan& after,
+std::vector<TurnCandidate> correlateProfiles(const lidar::Scan& before, const lidar::Scan& after,
                                              double max_turn_rad, size_t count) {
   const long n = static_cast<long>(after.ranges_m.size());
   const bool circular = after.isFullCircle();

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::odometry {
 
@@ -18,7 +18,7 @@ struct TurnCandidate {
 /// one far wall does not outweigh everything near; a no-return counts as max_range_m, a lost reading not at
 /// all. Empty when the profile has no shape (a round room) or too few readings. A scan of other geometry than
 /// `after` is resampled to the beams of `after`, nearest beam. Cost: beams times turns.
-std::vector<TurnCandidate> correlateProfiles(const robot::Scan& before, const robot::Scan& after,
+std::vector<TurnCandidate> correlateProfiles(const lidar::Scan& before, const lidar::Scan& after,
                                              double max_turn_rad, size_t count);
 
 }  // namespace slam::odometry

@@ -12,11 +12,11 @@ namespace {
 constexpr size_t kFewestBeams = 40;  // of the coarsest level
 constexpr size_t kMostLevels = 5;    // as in the paper
 
-Level finestLevel(const robot::Scan& scan) {
+Level finestLevel(const lidar::Scan& scan) {
   Level level{scan.first_angle_rad, scan.step_rad, scan.isFullCircle(), beamDirections(scan), {}};
   level.inverse_range.assign(scan.ranges_m.size(), 0.0);
   for (size_t i = 0; i < scan.ranges_m.size(); ++i)
-    if (robot::isReturn(scan.ranges_m[i])) level.inverse_range[i] = 1 / static_cast<double>(scan.ranges_m[i]);
+    if (lidar::isReturn(scan.ranges_m[i])) level.inverse_range[i] = 1 / static_cast<double>(scan.ranges_m[i]);
   return level;
 }
 
@@ -56,7 +56,7 @@ Level halve(const Level& fine, double sigma_m) {
 
 }  // namespace
 
-Pyramid makePyramid(const robot::Scan& scan) {
+Pyramid makePyramid(const lidar::Scan& scan) {
   Pyramid pyramid;
   // What a sensor states may be several times too small.
   pyramid.sigma_m = std::clamp(std::max(scan.range_sigma_m, estimateNoise(scan)), 0.002, 0.1);

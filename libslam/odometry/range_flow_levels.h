@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::odometry {
 
@@ -29,7 +29,7 @@ struct Pyramid {
   double sigma_m = 0;
 };
 
-Pyramid makePyramid(const robot::Scan& scan);
+Pyramid makePyramid(const lidar::Scan& scan);
 
 /// The level as it would look from T_reference_moving^-1 of where it was taken, on the beams of `reference`:
 /// the paper's warping. Between neighbours on one surface the inverse range is interpolated; of two surfaces

@@ -219,7 +219,7 @@ class RangeFlowOdometry : public ScanOdometry {
 
   void reset() override { reference_.reset(), previous_.reset(), T_step_ = {}; }
 
-  ScanMotion update(const robot::Scan& scan, const Commanded&) override {
+  ScanMotion update(const lidar::Scan& scan, const Commanded&) override {
     requireUsable(scan);
     auto current = std::make_shared<Frame>(Frame{scan, makePyramid(scan), {}, {}});
     const ScanMotion motion = previous_ || reference_ ? estimate(*current) : noMotionYet();
@@ -229,7 +229,7 @@ class RangeFlowOdometry : public ScanOdometry {
 
  private:
   struct Frame {
-    robot::Scan scan;
+    lidar::Scan scan;
     Pyramid pyramid;
     core::Pose2 T_reference_frame;  // of the lidar
     std::array<double, 9> covariance{};

@@ -12,8 +12,8 @@ ScanOdometryOptions::ScanOdometryOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<ScanOdometryOptions>& ScanOdometryOptions::table() {
-  static const core::ParameterTable<ScanOdometryOptions> rows(
+const files::ParameterTable<ScanOdometryOptions>& ScanOdometryOptions::table() {
+  static const files::ParameterTable<ScanOdometryOptions> rows(
       "scan_odometry", {{"method", &ScanOdometryOptions::method, "correlation", scanOdometryNames(),
                          "argmax: the longest range and two readings, told what was commanded; argmax_blind "
                          "guesses that; the others "
@@ -40,7 +40,7 @@ std::unique_ptr<ScanOdometry> makeScanOdometry(const ScanOdometryOptions& option
                          core::didYouMean(options.method, scanOdometryNames()));
 }
 
-void requireUsable(const robot::Scan& scan) {
+void requireUsable(const lidar::Scan& scan) {
   if (scan.ranges_m.size() < 2 || !std::isfinite(scan.step_rad) || scan.step_rad <= 0)
     throw core::ContractError("scan odometry needs scans of at least 2 beams with a positive step");
 }

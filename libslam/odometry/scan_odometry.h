@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/parameters.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/robot/motion_kind.h"
-#include "libslam/robot/scan.h"
 
 namespace mrpt::obs {
 class CActionRobotMovement2D;
@@ -37,7 +37,7 @@ struct ScanOdometryOptions {
   double max_turn_rad;  ///< search range between two scans (correlation); what a guess may be wrong by (both)
   double max_move_m;    ///< the same for the translation
   ScanOdometryOptions();
-  static const core::ParameterTable<ScanOdometryOptions>& table();
+  static const files::ParameterTable<ScanOdometryOptions>& table();
 };
 
 /// Odometry from consecutive scans alone.
@@ -47,8 +47,8 @@ class ScanOdometry {
   /// Motion since the scan before; the first scan gives the identity with tiny covariance. `commanded` is for
   /// argmax, which reads a turn and a move differently; the others ignore it. REQUIRES at least 2 beams and a
   /// finite, positive step (ContractError).
-  virtual ScanMotion update(const robot::Scan& scan, const Commanded& commanded) = 0;
-  ScanMotion update(const robot::Scan& scan) { return update(scan, MotionKind::kUnknown); }
+  virtual ScanMotion update(const lidar::Scan& scan, const Commanded& commanded) = 0;
+  ScanMotion update(const lidar::Scan& scan) { return update(scan, MotionKind::kUnknown); }
   /// Forgets the scan before.
   virtual void reset() = 0;
 };

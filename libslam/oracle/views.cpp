@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "libslam/core/elementary.h"
-#include "libslam/world/ray_walk.h"
+#include "libslam/rays/ray_walk.h"
 
 namespace slam::oracle {
 namespace {
@@ -25,12 +25,12 @@ void lookRound(const world::Plan& plan, std::size_t from, double max_range_m, Se
   bool go_on = true;
   for (int ray = 0; ray < kRays && go_on; ++ray) {
     const double angle = ray * (2 * core::kPi / kRays);
-    world::walkRay(plan, origin, {core::cos(angle), core::sin(angle)}, limit,
-                   [&](const world::Cell* cell, const world::RayEntry& entry) {
-                     if (*cell == world::Cell::kOccupied || !entry.isWithin(limit)) return false;
-                     go_on = see(static_cast<std::size_t>(cell - plan.cells.data()));
-                     return go_on;
-                   });
+    rays::walkRay(plan, origin, {core::cos(angle), core::sin(angle)}, limit,
+                  [&](const world::Cell* cell, const rays::RayEntry& entry) {
+                    if (*cell == world::Cell::kOccupied || !entry.isWithin(limit)) return false;
+                    go_on = see(static_cast<std::size_t>(cell - plan.cells.data()));
+                    return go_on;
+                  });
   }
 }
 

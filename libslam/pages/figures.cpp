@@ -9,9 +9,9 @@
 #include <set>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
 #include "libslam/draw/axis_title.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/table/cells.h"
 
 namespace slam::pages {
@@ -122,7 +122,7 @@ draw::Chart errorChart(const report::ReportPage& page, const std::string& folder
                    [](const auto* a, const auto* b) { return rms(a->error_m) > rms(b->error_m); });
   const double window_s = std::max(1.0, std::round(longest_s / kSmoothedPerChart));
   for (const auto* run : runs) chart.curves.push_back({run->method, smoothedErrors(*run, window_s)});
-  chart.y_title = "position error (m), rms over " + core::formatNumber(window_s) + " s";
+  chart.y_title = "position error (m), rms over " + files::formatNumber(window_s) + " s";
   if (chart.curves.empty())
     throw core::InputError(folder + ": has no errors to draw, expected a run whose true path is known");
   return chart;
@@ -236,7 +236,7 @@ struct ExplorationRun {
 
 /// Those of a folder with tables only, whose curves stand one below the other.
 std::vector<ExplorationRun> runsInOneTable(const std::string& folder, const std::string& file) {
-  const auto table = table::fromCsv(core::readTextFile(file), file);
+  const auto table = table::fromCsv(files::readTextFile(file), file);
   const auto strategy = table::columnOf(table, "strategy", file), seed = table::columnOf(table, "seed", file);
   std::vector<ExplorationRun> runs;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
@@ -272,7 +272,7 @@ std::vector<draw::Chart> explorationCharts(const std::vector<std::string>& folde
       std::string strategy = inside.begin()->string();
       if (strategy == ".") {  // a single run
         const std::string list = folder + "/runs.csv";
-        const auto table = table::fromCsv(core::readTextFile(list), list);
+        const auto table = table::fromCsv(files::readTextFile(list), list);
         if (table.rows.empty()) throw core::InputError(list + ": holds no run, expected one");
         strategy = table::textOf(table.rows.front()[table::columnOf(table, "strategy", list)]);
       }
@@ -290,7 +290,7 @@ std::vector<draw::Chart> explorationCharts(const std::vector<std::string>& folde
         is_elsewhere ? (name.has_filename() ? name.filename() : name.parent_path().filename()).string() +
                            ", " + run.strategy
                      : run.strategy;
-    const auto table = table::fromCsv(core::readTextFile(run.file), run.file);
+    const auto table = table::fromCsv(files::readTextFile(run.file), run.file);
     const auto share = table::columnOf(table, "explored_share", run.file);
     const char* keys[] = {"time_s", "path_m"};
     for (std::size_t i = 0; i < charts.size(); ++i) {

@@ -7,18 +7,18 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "libslam/core/csv.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/json_entry.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/csv.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/pages/report_meanings.h"
 #include "libslam/pages/report_parts.h"
 #include "libslam/pages/report_verdict.h"
-#include "libslam/record/truth_files.h"
-#include "libslam/run/journal_file.h"
+#include "libslam/resources/json_entry.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::pages {
 namespace fs = std::filesystem;
@@ -28,7 +28,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 bool isRunFolder(const std::string& folder) {
   return fs::exists(folder + "/manifest.json") &&
-         !resultOf(core::readManifest(folder + "/manifest.json"), "method").empty();
+         !resultOf(resources::readManifest(folder + "/manifest.json"), "method").empty();
 }
 
 /// A method that was asked for, and what became of it.
@@ -58,7 +58,7 @@ std::vector<Asked> methodsOfComparison(const std::string& folder, report::Report
         "--resume' goes on with it.");
     return methods;
   }
-  const auto scores = core::readJsonFile(path);
+  const auto scores = resources::readJsonFile(path);
   if (!scores.is_object() || !scores.contains("rows") || !scores["rows"].is_array())
     throw core::InputError(path + ": is not a table that rasterslam wrote, expected an object with 'rows'");
   for (const auto& row : scores["rows"]) {
@@ -75,9 +75,9 @@ std::vector<Asked> methodsOfComparison(const std::string& folder, report::Report
 }
 
 /// The log that a run read; "" with a word on the page where it is gone.
-std::string logOf(const run::RunFolder& run, const std::string& folder, report::ReportPage& page) {
+std::string logOf(const results::RunFolder& run, const std::string& folder, report::ReportPage& page) {
   std::vector<std::string> candidates = {folder + "/log/run.rawlog", folder + "/run.rawlog"};
-  if (const auto path = run::logInput(run.manifest); !path.empty()) candidates.push_back(path);
+  if (const auto path = results::logInput(run.manifest); !path.empty()) candidates.push_back(path);
   for (const auto& path : candidates)
     if (fs::exists(path)) return path;
   page.missing.push_back("The log " + candidates.back() +
@@ -88,13 +88,13 @@ std::string logOf(const run::RunFolder& run, const std::string& folder, report::
 /// scan_time_s and scan_ms from timing.csv.
 void readTiming(const std::string& path, report::ReportRun& run) {
   if (!fs::exists(path)) return;
-  const std::string text = core::readTextFile(path);
-  core::CsvReader reader(text, path);
+  const std::string text = files::readTextFile(path);
+  files::CsvReader reader(text, path);
   std::vector<std::string> fields;
   reader.next(fields);
   while (reader.next(fields)) {
     double time_s = 0, ms = 0;
-    if (fields.size() != 3 || !core::parseNumber(fields[1], time_s) || !core::parseNumber(fields[2], ms))
+    if (fields.size() != 3 || !files::parseNumber(fields[1], time_s) || !files::parseNumber(fields[2], ms))
       throw core::InputError(reader.place() + ": found '" + std::string(reader.record()) +
                              "', expected scan,time_s,cpu_ms");
     run.scan_time_s.push_back(time_s);
@@ -102,7 +102,7 @@ void readTiming(const std::string& path, report::ReportRun& run) {
   }
 }
 
-report::ReportRun pageRun(const run::RunFolder& run, const score::Evaluation& e,
+report::ReportRun pageRun(const results::RunFolder& run, const score::Evaluation& e,
                           const std::optional<score::Truth>& truth) {
   report::ReportRun shown;
   shown.method = e.method;
@@ -122,14 +122,14 @@ report::ReportRun pageRun(const run::RunFolder& run, const score::Evaluation& e,
     shown.error_m.push_back(known ? core::distance(true_pose, shown.path.back().pose) : kNan);
   }
   readTiming(run.path + "/timing.csv", shown);
-  if (fs::exists(run.path + "/journal.csv")) shown.events = run::readJournal(run.path + "/journal.csv");
+  if (fs::exists(run.path + "/journal.csv")) shown.events = results::readJournal(run.path + "/journal.csv");
   return shown;
 }
 
-void addRunDownloads(const std::vector<run::RunFolder>& runs, report::ReportPage& page) {
+void addRunDownloads(const std::vector<results::RunFolder>& runs, report::ReportPage& page) {
   for (const auto& run : runs) {
     // Saved from the page both lie in one folder with those of other methods.
-    auto yaml = core::readTextFile(run.path + "/map.yaml");
+    auto yaml = files::readTextFile(run.path + "/map.yaml");
     yaml = std::regex_replace(yaml, std::regex("(^|\n)image:[^\n]*"), "$1image: " + run.method + "_map.png");
     page.downloads.push_back(
         {run.method + "_map.yaml", "the map for ROS, with the picture", "application/yaml", yaml});
@@ -141,8 +141,8 @@ void addRunDownloads(const std::vector<run::RunFolder>& runs, report::ReportPage
   }
 }
 
-void addFacts(const core::Manifest& manifest, report::ReportPage& page) {
-  page.facts = {{"command", core::shellQuoted(manifest.command_line)},
+void addFacts(const resources::Manifest& manifest, report::ReportPage& page) {
+  page.facts = {{"command", resources::shellQuoted(manifest.command_line)},
                 {"seed", std::to_string(manifest.seed)},
                 {"version", "rasterslam " + manifest.version}};
   for (const auto& [path, hash] : manifest.inputs)
@@ -150,22 +150,22 @@ void addFacts(const core::Manifest& manifest, report::ReportPage& page) {
 }
 
 /// Runs, figures and replay of a comparison or of a single run.
-void fill(const std::vector<Asked>& methods, const std::string& folder, const core::Manifest& manifest,
+void fill(const std::vector<Asked>& methods, const std::string& folder, const resources::Manifest& manifest,
           core::Progress& progress, report::ReportPage& page) {
-  std::vector<run::RunFolder> runs;
+  std::vector<results::RunFolder> runs;
   for (const auto& method : methods)
-    if (method.failure.empty()) runs.push_back(run::loadRun(method.folder));
+    if (method.failure.empty()) runs.push_back(results::loadRun(method.folder));
   std::string log_path;
   std::optional<score::Truth> truth;
   if (!runs.empty()) {
     log_path = logOf(runs.front(), folder, page);
-    const auto files = record::truthFiles(log_path, resultOf(manifest, "truth"), resultOf(manifest, "plan"));
+    const auto files = truth::truthFiles(log_path, resultOf(manifest, "truth"), resultOf(manifest, "plan"));
     if (!files.trajectory.empty()) truth = score::loadTruth(files.trajectory, files.plan, runs.front());
   }
   std::vector<score::Evaluation> evaluations;
   for (const auto& method : methods) {
     const auto run = std::find_if(runs.begin(), runs.end(),
-                                  [&](const run::RunFolder& r) { return r.path == method.folder; });
+                                  [&](const results::RunFolder& r) { return r.path == method.folder; });
     evaluations.push_back(run == runs.end() ? score::failedEvaluation(method.method, method.failure)
                                             : score::evaluate(*run, truth));
   }
@@ -184,8 +184,8 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const co
                   [&](const auto& row) { return std::all_of(row.begin() + 1, row.end(), isNone); }))
     page.tables.pop_back();  // an exploration does not measure them
   for (const auto& e : evaluations) {
-    const auto run =
-        std::find_if(runs.begin(), runs.end(), [&](const run::RunFolder& r) { return r.method == e.method; });
+    const auto run = std::find_if(runs.begin(), runs.end(),
+                                  [&](const results::RunFolder& r) { return r.method == e.method; });
     if (run != runs.end()) {
       page.runs.push_back(pageRun(*run, e, truth));
     } else {
@@ -213,9 +213,9 @@ void addExploration(const std::string& folder, report::ReportPage& page) {
   const core::Pose2 T_world_map = page.runs.empty() ? core::Pose2{} : page.runs.front().T_world_map;
   addGoals(folder, T_world_map, page.replays.front());
   addCoverage({folder}, {"explored"}, page);
-  const auto manifest = core::readManifest(folder + "/manifest.json");
+  const auto manifest = resources::readManifest(folder + "/manifest.json");
   double share = kNan;
-  if (core::parseNumber(resultOf(manifest, "coverage"), share)) {
+  if (files::parseNumber(resultOf(manifest, "coverage"), share)) {
     std::string text = resultOf(manifest, "strategy") + " explored " + percent(share) +
                        " of what can be explored; it ended by: " + resultOf(manifest, "end");
     if (const auto detail = resultOf(manifest, "end_detail"); !detail.empty()) text += " (" + detail + ")";
@@ -229,8 +229,8 @@ void addExploration(const std::string& folder, report::ReportPage& page) {
 
 void addRun(const std::string& folder, const std::string& log_path, const std::string& name,
             std::size_t replay, report::ReportPage& page) {
-  const auto run = run::loadRun(folder);
-  auto files = record::truthFiles(log_path, "", "");
+  const auto run = results::loadRun(folder);
+  auto files = truth::truthFiles(log_path, "", "");
   // Where a sweep generated the building.
   if (const auto plan = fs::path(log_path).parent_path() / "plan.yaml";
       files.plan.empty() && fs::exists(plan))
@@ -258,7 +258,7 @@ report::ReportPage tuningPage(const std::string& folder) {
   page.title = pageTitle(folder, "Tuning");
   page.subtitle =
       "Candidates were ranked on training worlds, the best judged against the default on held-out ones.";
-  page.verdict = {core::trimmed(core::readTextFile(folder + "/verdict.txt"))};
+  page.verdict = {files::trimmed(files::readTextFile(folder + "/verdict.txt"))};
   for (const std::string name : {"candidates", "sensitivity"})
     if (fs::exists(folder + "/" + name + ".json"))
       page.tables.push_back(readJsonTable(folder + "/" + name + ".json"));
@@ -276,7 +276,7 @@ report::ReportPage pageOf(const std::string& folder, core::Progress& progress) {
     throw core::InputError(folder +
                            ": holds no manifest.json, expected the folder of a compare, run, explore, "
                            "navigate, bench or stress");
-  const auto manifest = core::readManifest(manifest_path);
+  const auto manifest = resources::readManifest(manifest_path);
   report::ReportPage page;
   addFacts(manifest, page);
   page.subtitle = "Written by rasterslam " + manifest.version +

@@ -4,10 +4,10 @@
 #include <limits>
 #include <optional>
 
-#include "libslam/core/csv.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/csv.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/pages/report_parts.h"
@@ -27,7 +27,7 @@ struct Explored {
 };
 
 /// Those whose folders are there, the first seed of every strategy first.
-std::vector<Explored> exploredIn(const std::string& folder, const core::CsvTable& runs) {
+std::vector<Explored> exploredIn(const std::string& folder, const files::CsvTable& runs) {
   const auto strategies = runs.texts("strategy"), seeds = runs.texts("seed");
   std::vector<std::pair<int, Explored>> found;
   for (size_t i = 0; i < strategies.size(); ++i) {
@@ -124,15 +124,15 @@ std::string verdictOf(const table::Table& table, const std::string& path) {
          number((*most)[coverage], 1) + " %.";
 }
 
-std::optional<core::Point2> goalOf(const core::Manifest& manifest) {
+std::optional<core::Point2> goalOf(const resources::Manifest& manifest) {
   core::Point2 goal;
-  if (!core::parseNumber(resultOf(manifest, "goal_x_m"), goal.x) ||
-      !core::parseNumber(resultOf(manifest, "goal_y_m"), goal.y))
+  if (!files::parseNumber(resultOf(manifest, "goal_x_m"), goal.x) ||
+      !files::parseNumber(resultOf(manifest, "goal_y_m"), goal.y))
     return std::nullopt;
   return goal;
 }
 
-std::string planOf(const core::Manifest& manifest) {
+std::string planOf(const resources::Manifest& manifest) {
   for (const auto& [path, hash] : manifest.inputs)
     if (fs::exists(path)) return path;
   return "";
@@ -157,7 +157,7 @@ void addCoverage(const std::vector<std::string>& folders, const std::vector<std:
   report::PageChart over_time{
       "coverage-time", "Explored share over time.", "time (s)", "explored (%)", {}, kPercent, 0};
   for (size_t i = 0; i < folders.size(); ++i) {
-    const auto curve = core::CsvTable::read(folders[i] + "/exploration.csv");
+    const auto curve = files::CsvTable::read(folders[i] + "/exploration.csv");
     const auto time_s = curve.numbersOrNan("time_s"), path_m = curve.numbersOrNan("path_m"),
                share = curve.numbersOrNan("explored_share");
     report::PageCurve by_path, by_time;
@@ -179,7 +179,7 @@ void fillExplorations(const std::string& folder, core::Progress& progress, repor
   page.title = pageTitle(folder, "Explorations");
   page.tables.push_back(explorationsTable(folder + "/scores.json"));
   page.verdict.push_back(verdictOf(readJsonTable(folder + "/scores.json"), folder + "/scores.json"));
-  const auto runs = core::CsvTable::read(folder + "/runs.csv");
+  const auto runs = files::CsvTable::read(folder + "/runs.csv");
   const auto explored = exploredIn(folder, runs);
   const auto rows = runs.texts("strategy").size();
   if (explored.empty()) {
@@ -222,7 +222,8 @@ bool isNavigation(const std::string& folder) {
                      [](const auto& entry) { return fs::exists(entry.path() / "states.csv"); });
 }
 
-void fillNavigation(const std::string& folder, const core::Manifest& manifest, report::ReportPage& page) {
+void fillNavigation(const std::string& folder, const resources::Manifest& manifest,
+                    report::ReportPage& page) {
   page.title = pageTitle(folder, "Drives to a goal");
   page.subtitle = "The true paths, and those by the pose that each method was given.";
   const std::string scores = folder + "/scores.md";
@@ -258,7 +259,7 @@ void fillNavigation(const std::string& folder, const core::Manifest& manifest, r
       const bool known = metrics::poseAt(replay.truth, stamped.time_s, true_pose);
       run.error_m.push_back(known ? core::distance(true_pose, stamped.pose) : kNan);
     }
-    const auto states = core::CsvTable::read(of_method + "/states.csv");
+    const auto states = files::CsvTable::read(of_method + "/states.csv");
     const auto time_s = states.numbersOrNan("time_s"), x = states.numbersOrNan("x_m"),
                y = states.numbersOrNan("y_m");
     const auto to = states.texts("to"), why = states.texts("why");

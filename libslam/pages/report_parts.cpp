@@ -6,16 +6,17 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/csv.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/json_entry.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/csv.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/record/carry_file.h"
-#include "libslam/record/collision_file.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/json_entry.h"
 #include "libslam/sim/operation_log.h"
+#include "libslam/truth/carry_file.h"
+#include "libslam/truth/collision_file.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::pages {
 namespace fs = std::filesystem;
@@ -34,9 +35,9 @@ std::string operationText(const sim::Operation& operation) {
 /// The whole command that each of the log's scans was taken after or during; none where the two do not belong
 /// together.
 std::vector<std::string> readOperations(const std::string& log_path, std::uint64_t scans) {
-  const std::string path = record::logStem(log_path) + ".operations.txt";
+  const std::string path = truth::logStem(log_path) + ".operations.txt";
   if (!fs::exists(path)) return {};
-  const auto operations = sim::parseOperations(core::readTextFile(path), path);
+  const auto operations = sim::parseOperations(files::readTextFile(path), path);
   const bool numbered = !operations.empty() && operations.front().scan_after > 0;
   if (!numbered && operations.size() + 1 != scans) return {};
   std::vector<std::string> texts(scans);
@@ -51,17 +52,17 @@ std::vector<std::string> readOperations(const std::string& log_path, std::uint64
 }
 
 void addCollisions(const std::string& log_path, double start_s, report::ReportReplay& replay) {
-  for (const auto& collision : record::readCollisions(record::collisionsPath(log_path)))
+  for (const auto& collision : truth::readCollisions(truth::collisionsPath(log_path)))
     replay.moments.push_back(
         {collision.time_s - start_s, "collision", "", core::position(collision.T_world_robot)});
-  for (const auto& carry : record::readCarryFile(record::carriesPath(log_path)))
-    replay.moments.push_back({carry.time_s - start_s, "kidnapped", record::carryText(carry, start_s),
+  for (const auto& carry : truth::readCarryFile(truth::carriesPath(log_path)))
+    replay.moments.push_back({carry.time_s - start_s, "kidnapped", truth::carryText(carry, start_s),
                               core::position(carry.T_world_to)});
 }
 
 }  // namespace
 
-std::string resultOf(const core::Manifest& manifest, const std::string& key) {
+std::string resultOf(const resources::Manifest& manifest, const std::string& key) {
   const auto it = manifest.results.find(key);
   return it == manifest.results.end() ? "" : it->second;
 }
@@ -73,14 +74,14 @@ std::string pageTitle(const std::string& folder, const std::string& what) {
 }
 
 table::Table readMarkdownTable(const std::string& path) {
-  auto table = table::fromMarkdown(core::readTextFile(path));
+  auto table = table::fromMarkdown(files::readTextFile(path));
   if (table.columns.empty())
     throw core::InputError(path + ": holds no table, expected what rasterslam wrote");
   return table;
 }
 
 table::Table readJsonTable(const std::string& path) {
-  const auto json = core::readJsonFile(path);
+  const auto json = resources::readJsonFile(path);
   const auto isList = [&](const char* key) {
     return json.is_object() && json.contains(key) && json[key].is_array() &&
            std::all_of(json[key].begin(), json[key].end(), [](const auto& one) { return one.is_object(); });
@@ -111,12 +112,12 @@ std::string textIn(const table::CellValue& cell) {
 }
 
 void addPicture(report::ReportPage& page, const std::string& path, const std::string& caption) {
-  if (fs::exists(path)) page.pictures.push_back({caption, core::readTextFile(path)});
+  if (fs::exists(path)) page.pictures.push_back({caption, files::readTextFile(path)});
 }
 
 void addDownload(report::ReportPage& page, const std::string& path, const std::string& name,
                  const std::string& what, const std::string& media_type) {
-  if (fs::exists(path)) page.downloads.push_back({name, what, media_type, core::readTextFile(path)});
+  if (fs::exists(path)) page.downloads.push_back({name, what, media_type, files::readTextFile(path)});
 }
 
 void addTableDownloads(const std::string& folder, report::ReportPage& page) {
@@ -133,7 +134,7 @@ void readReplay(const std::string& log_path, std::size_t most, core::Progress& p
   const std::uint64_t kept = std::min<std::uint64_t>(info.scans, most);
   const auto operations = readOperations(log_path, info.scans);
   struct Shown {
-    robot::Scan scan;
+    lidar::Scan scan;
     std::string operation;
   };
   std::vector<Shown> shown;
@@ -159,7 +160,7 @@ void readReplay(const std::string& log_path, std::size_t most, core::Progress& p
 }
 
 void addGoals(const std::string& folder, const core::Pose2& T_world_map, report::ReportReplay& replay) {
-  const auto curve = core::CsvTable::read(folder + "/exploration.csv");
+  const auto curve = files::CsvTable::read(folder + "/exploration.csv");
   const auto time_s = curve.numbersOrNan("time_s"), x = curve.numbersOrNan("goal_x_m"),
              y = curve.numbersOrNan("goal_y_m");
   core::Point2 last{kNan, kNan};
@@ -170,7 +171,7 @@ void addGoals(const std::string& folder, const core::Pose2& T_world_map, report:
     last = goal;
   }
   if (time_s.empty() || !fs::exists(folder + "/decisions.csv")) return;
-  const auto decisions = core::CsvTable::read(folder + "/decisions.csv");
+  const auto decisions = files::CsvTable::read(folder + "/decisions.csv");
   const auto at_s = decisions.numbersOrNan("time_s"), goal_x = decisions.numbersOrNan("goal_x_m"),
              goal_y = decisions.numbersOrNan("goal_y_m");
   const auto reasons =

@@ -2,16 +2,16 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/manifest.h"
 #include "libslam/core/progress.h"
 #include "libslam/report/html_report.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::pages {
 
 // Pieces of gatherReport(): what the pages of all kinds of folder need, and one function per kind.
 
 /// "" where the manifest has no such result.
-std::string resultOf(const core::Manifest& manifest, const std::string& key);
+std::string resultOf(const resources::Manifest& manifest, const std::string& key);
 /// "Sweep: NAME" with the folder's own name.
 std::string pageTitle(const std::string& folder, const std::string& what);
 
@@ -41,8 +41,8 @@ bool isExplorations(const std::string& folder);
 bool isNavigation(const std::string& folder);
 bool isSweep(const std::string& folder);  ///< errors: InputError for one without tables
 void fillExplorations(const std::string& folder, core::Progress& progress, report::ReportPage& page);
-void fillNavigation(const std::string& folder, const core::Manifest& manifest, report::ReportPage& page);
-void fillSweep(const std::string& folder, const core::Manifest& manifest, core::Progress& progress,
+void fillNavigation(const std::string& folder, const resources::Manifest& manifest, report::ReportPage& page);
+void fillSweep(const std::string& folder, const resources::Manifest& manifest, core::Progress& progress,
                report::ReportPage& page);
 /// Curves of explored share over path and over time: `folders[i]` holds the exploration.csv of the line
 /// called `labels[i]`.

@@ -5,11 +5,11 @@
 #include <tuple>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/pages/report_parts.h"
 #include "libslam/score/evaluate.h"
-#include "libslam/study/run_figures.h"
+#include "libslam/summary/run_figures.h"
 #include "libslam/table/cells.h"
 #include "libslam/table/number_text.h"
 
@@ -265,7 +265,7 @@ std::string missingRuns(const Rows& results) {
 /// Maps and replay of the worst run of every method.
 void addWorstRuns(const std::string& folder, const Rows& rows, const std::vector<std::string>& methods,
                   const sweep::SweepPlan& plan, core::Progress& progress, report::ReportPage& page) {
-  const bool larger_is_better = study::betterOf(plan.metric) == stats::Better::kLarger;
+  const bool larger_is_better = summary::betterOf(plan.metric) == stats::Better::kLarger;
   const auto worth = [&](std::size_t row) {
     const double value = rows.number(row, plan.metric);
     if (std::isnan(value)) return HUGE_VAL;
@@ -302,7 +302,7 @@ void addWorstRuns(const std::string& folder, const Rows& rows, const std::vector
     const std::string log_folder = rows.text(row, "log_folder");
     std::string log_path = folder + "/" + log_folder + "/run.rawlog";
     if (log_folder.empty())  // a log that existed already
-      log_path = run::logInput(core::readManifest(runOf(row) + "/manifest.json"));
+      log_path = results::logInput(resources::readManifest(runOf(row) + "/manifest.json"));
     addRun(runOf(row), log_path, name, page.replays.size() - 1, page);
     page.runs.back().summary = "Its worst run: " + where + ". " + page.runs.back().summary;
     if (fs::exists(log_path))
@@ -327,7 +327,7 @@ bool isSweep(const std::string& folder) {
   return true;
 }
 
-void fillSweep(const std::string& folder, const core::Manifest& manifest, core::Progress& progress,
+void fillSweep(const std::string& folder, const resources::Manifest& manifest, core::Progress& progress,
                report::ReportPage& page) {
   const bool is_stress = fs::exists(folder + "/stress.json");
   const auto plan = sweep::readSweepPlan(folder + "/plan.json");
@@ -337,7 +337,7 @@ void fillSweep(const std::string& folder, const core::Manifest& manifest, core::
   const std::string results_path = folder + "/results.json";
   const auto results = readJsonTable(results_path);
   const Rows result_rows(results, results_path);
-  const bool larger = study::betterOf(plan.metric) == stats::Better::kLarger;
+  const bool larger = summary::betterOf(plan.metric) == stats::Better::kLarger;
   const bool is_contest = fs::exists(folder + "/standings.json");
   page.title = pageTitle(folder, is_stress ? "Stress test" : is_contest ? "Contest" : "Sweep");
   const auto best_first = ranked(rows, pooledRows(rows), plan.metric, larger);

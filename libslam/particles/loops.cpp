@@ -12,9 +12,9 @@ constexpr double kSameMap = 0.25;
 }  // namespace
 
 void ParticleFilter::beginPast(bool closes_loops) {
-  graph::GraphOptions options;
+  keyframes::GraphOptions options;
   options.loops = closes_loops;
-  past_ = std::make_unique<graph::TrackedPath>(options);
+  past_ = std::make_unique<loops::TrackedPath>(options);
 }
 
 /// The best particle may be another one than before: keyframes since the last loop go where its past has
@@ -32,9 +32,9 @@ void ParticleFilter::alignKeyframes(int newest_scan) {
   }
 }
 
-void ParticleFilter::keepKeyframe(const std::vector<robot::Scan>& seen, bool is_matched) {
+void ParticleFilter::keepKeyframe(const std::vector<lidar::Scan>& seen, bool is_matched) {
   alignKeyframes(static_cast<int>(scans_));
-  graph::TrackedPath::Placed placed;
+  loops::TrackedPath::Placed placed;
   placed.T_map_robot = particles_[best_].T_raster_robot;
   placed.T_before_robot = since_keyframe_.T_previous_robot;
   placed.odometry_covariance = since_keyframe_.covariance;

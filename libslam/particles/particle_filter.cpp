@@ -234,9 +234,9 @@ void ParticleFilter::estimateCovariance() {
   step_.covariance = rotated(own + spread / sum - mean * mean.transpose(), mapFromRaster().phi);
 }
 
-void ParticleFilter::reachFarther(const robot::Scan& scan) {
+void ParticleFilter::reachFarther(const lidar::Scan& scan) {
   std::vector<float> returns_m;
-  std::copy_if(scan.ranges_m.begin(), scan.ranges_m.end(), std::back_inserter(returns_m), robot::isReturn);
+  std::copy_if(scan.ranges_m.begin(), scan.ranges_m.end(), std::back_inserter(returns_m), lidar::isReturn);
   if (returns_m.empty()) return;
   const auto quartile = returns_m.begin() + static_cast<std::ptrdiff_t>(returns_m.size() * 3 / 4);
   std::nth_element(returns_m.begin(), quartile, returns_m.end());
@@ -274,8 +274,8 @@ void ParticleFilter::findPlace(const std::vector<SurfacePoint>& points, const st
   since_keyframe_ = since_keyframe_ * Motion{guidance.expected, guidance.information.inverse()};
 }
 
-const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::optional<Motion>& motion,
-                                           const std::vector<robot::Scan>& others) {
+const ParticleStep& ParticleFilter::update(const lidar::Scan& scan, const std::optional<Motion>& motion,
+                                           const std::vector<lidar::Scan>& others) {
   if (motion && !(core::isFinite(motion->T_previous_robot) && motion->covariance.allFinite()))
     throw core::ContractError("ParticleFilter::update: the motion is not finite");
   const bool is_first = scans_ == 0 && !map_is_known_;
@@ -322,7 +322,7 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
       cells_ = static_cast<double>(distinctTiles()) * gridmap::Grid::tileBytes() / sizeof(gridmap::Cell);
   }
   if (step_.inserted) {
-    std::vector<robot::Scan> scans = {scan};
+    std::vector<lidar::Scan> scans = {scan};
     scans.insert(scans.end(), others.begin(), others.end());
     keepKeyframe(scans, !is_first && !restarted);
   }

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "libslam/core/journal.h"
-#include "libslam/core/parameters.h"
 #include "libslam/core/thread_team.h"
-#include "libslam/graph/tracked_path.h"
+#include "libslam/files/parameters.h"
 #include "libslam/gridmap/grid.h"
+#include "libslam/loops/tracked_path.h"
 #include "libslam/particles/motion.h"
 #include "libslam/particles/path_tree.h"
 #include "libslam/scanmatch/field_matcher.h"
@@ -35,7 +35,7 @@ struct ParticleFilterOptions {
   double hit_probability, pass_probability;
   bool loops;
   ParticleFilterOptions();
-  static const core::ParameterTable<ParticleFilterOptions>& table();
+  static const files::ParameterTable<ParticleFilterOptions>& table();
 
   double insert_distance_m = 0.3, insert_angle_rad = 0.3;
   gridmap::RayOptions rays{20, true};
@@ -94,7 +94,7 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 /// a scan is matched by.
 ///
 /// Covariance: resampling makes the particles alike, so that their spread alone tells little of how far the
-/// map has drifted. Every inserted scan is a keyframe of a graph::TrackedPath, which says how sure its pose
+/// map has drifted. Every inserted scan is a keyframe of a loops::TrackedPath, which says how sure its pose
 /// is. A scan after it adds its own error against the map: that of the matched points, times drift_scale, and
 /// of the odometry as far as the match leaves it to hold the pose.
 ///
@@ -124,8 +124,8 @@ class ParticleFilter {
   /// The pose at this scan. Without a motion the motion before is taken to go on, loosely. The first scan's
   /// motion is ignored. `others`: what other lidars saw at that moment. REQUIRES a finite motion
   /// (ContractError).
-  const ParticleStep& update(const robot::Scan& scan, const std::optional<Motion>& motion,
-                             const std::vector<robot::Scan>& others = {});
+  const ParticleStep& update(const lidar::Scan& scan, const std::optional<Motion>& motion,
+                             const std::vector<lidar::Scan>& others = {});
   const ParticleStep& lastStep() const { return step_; }
 
   /// After the last scan: loops that are found with all of the path known. The pose at the last scan follows.
@@ -176,7 +176,7 @@ class ParticleFilter {
     scanmatch::FieldMatch match;
   };
   static core::Pose2 mapFromRaster() { return {0, 0, -kRasterTurn_rad}; }
-  void reachFarther(const robot::Scan& scan);
+  void reachFarther(const lidar::Scan& scan);
   void findPlace(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   Guidance guide(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   void matchAll(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance);
@@ -191,7 +191,7 @@ class ParticleFilter {
   void estimateCovariance();
   // loops.cpp: the past that all particles share since the last loop
   void beginPast(bool closes_loops);
-  void keepKeyframe(const std::vector<robot::Scan>& seen, bool is_matched);
+  void keepKeyframe(const std::vector<lidar::Scan>& seen, bool is_matched);
   void alignKeyframes(int newest_scan);
   void followLoop(const std::vector<core::Pose2>& poses_before);
   void redrawMap(const std::vector<core::Pose2>& poses_before);
@@ -224,7 +224,7 @@ class ParticleFilter {
     int keyframe;
     core::Pose2 T_keyframe_robot;
   };
-  std::unique_ptr<graph::TrackedPath> past_;
+  std::unique_ptr<loops::TrackedPath> past_;
   std::vector<PastScan> past_scans_;
   /// Every scan's keyframe, -1: none yet, and what its pose errs by beyond that, raster frame.
   struct Drift {

@@ -6,9 +6,9 @@ ParticleFilterOptions::ParticleFilterOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<ParticleFilterOptions>& ParticleFilterOptions::table() {
+const files::ParameterTable<ParticleFilterOptions>& ParticleFilterOptions::table() {
   using O = ParticleFilterOptions;
-  static const core::ParameterTable<O> kTable(
+  static const files::ParameterTable<O> kTable(
       "particles",
       {{"sampling",
         &O::sampling,

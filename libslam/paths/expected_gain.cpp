@@ -65,7 +65,7 @@ bool covers(const LidarView& view, double heading_rad, double direction_rad) {
 
 }  // namespace
 
-LidarView lidarView(const robot::Scan& scan) {
+LidarView lidarView(const lidar::Scan& scan) {
   LidarView view;
   view.full_circle = scan.isFullCircle();
   const double beams = static_cast<double>(scan.ranges_m.size());

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/paths/free_space.h"
-#include "libslam/robot/scan.h"
 
 namespace slam::paths {
 
@@ -16,7 +16,7 @@ struct LidarView {
   double max_range_m = 0;
   bool full_circle = false;
 };
-LidarView lidarView(const robot::Scan& scan);
+LidarView lidarView(const lidar::Scan& scan);
 
 /// What a look round from a place is expected to show, by direction.
 ///

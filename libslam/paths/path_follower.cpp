@@ -5,7 +5,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/paths/expected_gain.h"
-#include "libslam/paths/safe_motion.h"
+#include "libslam/safety/safe_motion.h"
 
 namespace slam::paths {
 namespace {
@@ -42,7 +42,7 @@ bool PathFollower::advanceWaypoint(const core::Pose2& T_map_robot) {
   return false;
 }
 
-std::optional<core::Point2> PathFollower::sidestep(const robot::Scan& scan, const core::Pose2& T_map_robot,
+std::optional<core::Point2> PathFollower::sidestep(const lidar::Scan& scan, const core::Pose2& T_map_robot,
                                                    const robot::RobotOptions& robot, double towards_rad,
                                                    const std::vector<core::Point2>& remembered) {
   const double rest_m = core::distance(path_[waypoint_], core::position(T_map_robot));
@@ -52,7 +52,7 @@ std::optional<core::Point2> PathFollower::sidestep(const robot::Scan& scan, cons
   for (int i = 1; i <= kSidestepTurns; ++i)
     for (const int side : {1, -1}) {
       const double direction_rad = towards_rad + side * i * kSidestepTurn_rad;
-      if (discReach(scan, direction_rad, robot, remembered) < kSidestep_m) continue;
+      if (safety::discReach(scan, direction_rad, robot, remembered) < kSidestep_m) continue;
       return T_map_robot * core::polar(kSidestep_m, direction_rad);
     }
   return std::nullopt;
@@ -70,7 +70,7 @@ bool PathFollower::mustTurn(double error_rad, double rest_m, double most_rad) {
   return true;
 }
 
-PathFollower::Step PathFollower::next(const robot::Scan& scan, const core::Pose2& T_map_robot,
+PathFollower::Step PathFollower::next(const lidar::Scan& scan, const core::Pose2& T_map_robot,
                                       const robot::RobotOptions& robot, double slow_clearance_m,
                                       double period_s, const std::vector<core::Point2>& remembered) {
   const robot::Command stand{0, 0, period_s};
@@ -98,9 +98,10 @@ PathFollower::Step PathFollower::next(const robot::Scan& scan, const core::Pose2
   const double error_rad = bearing(target);
   if (mustTurn(error_rad, rest_m, most_rad))
     return {Status::kFollowing, turnBy(error_rad, most_rad, period_s)};
-  if (!seesAhead(scan)) return {Status::kBlocked, stand};
-  const double speed_mps = safeSpeed(scan, robot, slow_clearance_m, remembered);
-  const double step_m = std::min({rest_m, speed_mps * period_s, discReach(scan, 0, robot, remembered)});
+  if (!safety::seesAhead(scan)) return {Status::kBlocked, stand};
+  const double speed_mps = safety::safeSpeed(scan, robot, slow_clearance_m, remembered);
+  const double step_m =
+      std::min({rest_m, speed_mps * period_s, safety::discReach(scan, 0, robot, remembered)});
   if (step_m >= kShortestDrive_m) return {Status::kFollowing, {step_m / period_s, 0, period_s}};
   detour_ = sidestep(scan, T_map_robot, robot, bearing(path_[waypoint_]), remembered);
   if (!detour_) return {Status::kBlocked, stand};

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
 
 namespace slam::paths {
 
@@ -24,14 +24,14 @@ class PathFollower {
   PathFollower() = default;  ///< has arrived
   PathFollower(std::vector<core::Point2> path_map, std::optional<core::Point2> look_at_map)
       : path_(std::move(path_map)), look_at_(look_at_map) {}
-  Step next(const robot::Scan& scan, const core::Pose2& T_map_robot, const robot::RobotOptions& robot,
+  Step next(const lidar::Scan& scan, const core::Pose2& T_map_robot, const robot::RobotOptions& robot,
             double slow_clearance_m, double period_s, const std::vector<core::Point2>& remembered = {});
   /// Index into the path of the waypoint that it drives to; its size when only the turn is left.
   std::size_t waypoint() const { return waypoint_; }
 
  private:
   bool advanceWaypoint(const core::Pose2& T_map_robot);
-  std::optional<core::Point2> sidestep(const robot::Scan& scan, const core::Pose2& T_map_robot,
+  std::optional<core::Point2> sidestep(const lidar::Scan& scan, const core::Pose2& T_map_robot,
                                        const robot::RobotOptions& robot, double towards_rad,
                                        const std::vector<core::Point2>& remembered);
   bool mustTurn(double error_rad, double rest_m, double most_rad);

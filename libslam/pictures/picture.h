@@ -4,8 +4,8 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/draw/canvas.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/metrics/map_score.h"
-#include "libslam/robot/scan.h"
 #include "libslam/world/plan.h"
 
 namespace slam::pictures {
@@ -83,6 +83,6 @@ std::vector<Panel> pathPanels(const world::Plan& plan, const std::vector<DrawnPa
 
 /// A scan: range over angle (the original chart; beams without a return leave gaps) beside the polar plot,
 /// lidar frame, ahead up.
-void drawScan(const robot::Scan& scan, const std::string& file, const draw::Paper& paper = {});
+void drawScan(const lidar::Scan& scan, const std::string& file, const draw::Paper& paper = {});
 
 }  // namespace slam::pictures

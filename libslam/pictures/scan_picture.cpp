@@ -47,10 +47,10 @@ struct RangeAxis {
   double end_m, step_m;
 };
 
-RangeAxis rangeAxis(const robot::Scan& scan) {
+RangeAxis rangeAxis(const lidar::Scan& scan) {
   double farthest_m = 0;
   for (const float range_m : scan.ranges_m)
-    if (robot::isReturn(range_m)) farthest_m = std::max(farthest_m, static_cast<double>(range_m));
+    if (lidar::isReturn(range_m)) farthest_m = std::max(farthest_m, static_cast<double>(range_m));
   if (farthest_m == 0) farthest_m = scan.max_range_m > 0 ? scan.max_range_m : 1;
   const double step_m = draw::niceStep(farthest_m / 4);
   return {step_m * std::ceil(farthest_m / step_m - 1e-9), step_m};
@@ -65,7 +65,7 @@ double angleStep_deg(double span_deg) {
 
 class Chart {
  public:
-  Chart(draw::Canvas& canvas, const draw::PixelBox& box, const robot::Scan& scan, const RangeAxis& ranges)
+  Chart(draw::Canvas& canvas, const draw::PixelBox& box, const lidar::Scan& scan, const RangeAxis& ranges)
       : canvas_(canvas), box_(box), scan_(scan), ranges_(ranges) {
     const double last_rad = scan.angle(scan.ranges_m.empty() ? 0 : scan.ranges_m.size() - 1);
     first_deg_ = core::radToDeg(scan.first_angle_rad), last_deg_ = core::radToDeg(last_rad);
@@ -117,7 +117,7 @@ class Chart {
     std::vector<draw::Pixel> places;
     const double nowhere = std::nan("");
     for (size_t i = 0; i < scan_.ranges_m.size(); ++i) {
-      const bool is_return = robot::isReturn(scan_.ranges_m[i]);
+      const bool is_return = lidar::isReturn(scan_.ranges_m[i]);
       places.push_back(is_return ? at(core::radToDeg(scan_.angle(i)), scan_.ranges_m[i])
                                  : draw::Pixel{nowhere, nowhere});
     }
@@ -127,7 +127,7 @@ class Chart {
 
   draw::Canvas& canvas_;
   draw::PixelBox box_;
-  const robot::Scan& scan_;
+  const lidar::Scan& scan_;
   RangeAxis ranges_;
   double first_deg_, last_deg_;
 };
@@ -137,16 +137,16 @@ draw::Pixel polar(draw::Pixel centre, double angle_rad, double radius) {
   return {centre.x - radius * core::sin(angle_rad), centre.y - radius * core::cos(angle_rad)};
 }
 
-void drawSeenArea(draw::Canvas& canvas, draw::Pixel centre, const robot::Scan& scan, double units_per_metre) {
+void drawSeenArea(draw::Canvas& canvas, draw::Pixel centre, const lidar::Scan& scan, double units_per_metre) {
   for (size_t i = 0; i + 1 < scan.ranges_m.size(); ++i) {
-    if (!robot::isReturn(scan.ranges_m[i]) || !robot::isReturn(scan.ranges_m[i + 1])) continue;
+    if (!lidar::isReturn(scan.ranges_m[i]) || !lidar::isReturn(scan.ranges_m[i + 1])) continue;
     canvas.fillPolygon({centre, polar(centre, scan.angle(i), scan.ranges_m[i] * units_per_metre),
                         polar(centre, scan.angle(i + 1), scan.ranges_m[i + 1] * units_per_metre)},
                        kSeenArea);
   }
 }
 
-void drawPolar(draw::Canvas& canvas, draw::Pixel centre, double radius, const robot::Scan& scan,
+void drawPolar(draw::Canvas& canvas, draw::Pixel centre, double radius, const lidar::Scan& scan,
                const RangeAxis& ranges) {
   const double units_per_metre = radius / ranges.end_m;
   canvas.text({centre.x - radius - 4, centre.y - radius - 18}, "From above", kTitleSize, draw::kInk,
@@ -157,7 +157,7 @@ void drawPolar(draw::Canvas& canvas, draw::Pixel centre, double radius, const ro
   for (const double degrees : {0.0, 90.0, 180.0, 270.0})
     canvas.line(centre, polar(centre, core::degToRad(degrees), radius), kRule, 1);
   for (size_t i = 0; i < scan.ranges_m.size(); ++i)
-    if (robot::isReturn(scan.ranges_m[i]))
+    if (lidar::isReturn(scan.ranges_m[i]))
       canvas.disc(polar(centre, scan.angle(i), scan.ranges_m[i] * units_per_metre), 2.2, draw::kBlue);
   canvas.fillPolygon(
       {polar(centre, 0, 12), polar(centre, core::degToRad(140), 10), polar(centre, core::degToRad(220), 10)},
@@ -169,13 +169,13 @@ void drawPolar(draw::Canvas& canvas, draw::Pixel centre, double radius, const ro
 
 }  // namespace
 
-void drawScan(const robot::Scan& scan, const std::string& file, const draw::Paper& paper) {
+void drawScan(const lidar::Scan& scan, const std::string& file, const draw::Paper& paper) {
   const auto layout = layoutFor(paper);
   draw::Canvas canvas(layout.width, layout.height, paper);
   const auto ranges = rangeAxis(scan);
   Chart(canvas, layout.chart, scan, ranges).draw();
   drawPolar(canvas, layout.centre, layout.radius, scan, ranges);
-  const auto returns = std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(), robot::isReturn);
+  const auto returns = std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(), lidar::isReturn);
   canvas.text({layout.centre.x, layout.centre.y + layout.radius + 50},
               std::to_string(returns) + " returns of " + std::to_string(scan.ranges_m.size()) + " beams",
               draw::kTextSize, draw::kGrey, draw::Align::kCentre);

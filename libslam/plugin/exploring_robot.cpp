@@ -4,8 +4,9 @@
 #include <algorithm>
 
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/sim/simulator.h"
 
@@ -14,7 +15,7 @@ namespace {
 
 using Options = ExploringRobotOptions;
 
-core::ParameterTable<Options> tableFor(const std::string& section) {
+files::ParameterTable<Options> tableFor(const std::string& section) {
   return {section,
           {{"plan", &Options::plan, "flat", {}, "path, or the name of a world"},
            {"lidar", &Options::lidar, "", {}, "name of a preset, or an .ini file; empty: built-in values"},
@@ -28,15 +29,15 @@ core::ParameterTable<Options> tableFor(const std::string& section) {
            {"done_file", &Options::done_file, "", {}, "gets a line after the last scan; empty: none"}}};
 }
 
-core::IniFile lidarPreset(const std::string& lidar, const std::string& origin) {
+files::IniFile lidarPreset(const std::string& lidar, const std::string& origin) {
   if (lidar.empty()) return {};
-  if (lidar.find_first_of("/.") != std::string::npos) return core::IniFile::load(lidar);
-  const std::string folder = core::configsFolder() + "/lidars";
-  const auto names = core::namesInFolder(folder, ".ini");
+  if (lidar.find_first_of("/.") != std::string::npos) return resources::readConfigFile(lidar);
+  const std::string folder = resources::configsFolder() + "/lidars";
+  const auto names = resources::namesInFolder(folder, ".ini");
   if (std::find(names.begin(), names.end(), lidar) == names.end())
     throw core::InputError(origin + ", key 'lidar': found '" + lidar + "', expected a lidar of " + folder +
                            core::didYouMean(lidar, names));
-  return core::IniFile::load(folder + "/" + lidar + ".ini");
+  return resources::readConfigFile(folder + "/" + lidar + ".ini");
 }
 
 std::uint64_t seedOf(const Options& options) {
@@ -45,8 +46,8 @@ std::uint64_t seedOf(const Options& options) {
 
 }  // namespace
 
-Options readExploringRobotOptions(const core::IniFile& ini, const std::string& section) {
-  core::IniFile own, dotted;
+Options readExploringRobotOptions(const files::IniFile& ini, const std::string& section) {
+  files::IniFile own, dotted;
   if (const auto it = ini.sections().find(section); it != ini.sections().end())
     for (const auto& [key, entry] : it->second) {
       const auto dot = key.find('.');
@@ -58,34 +59,34 @@ Options readExploringRobotOptions(const core::IniFile& ini, const std::string& s
   const auto table = tableFor(section);
   Options options;
   table.setDefaults(options);
-  core::readParameters(own, table, options);
+  files::readParameters(own, table, options);
 
   const std::string origin = "section [" + section + "]";
-  core::IniFile record = lidarPreset(options.lidar, origin);
+  files::IniFile record = lidarPreset(options.lidar, origin);
   record.set("simulation", "start", options.start, origin);
   if (!options.strategy.empty()) record.set("strategy", "name", options.strategy, origin);
   record.overrideWith(dotted);
   options.record = record::readRecordConfig(record);
-  if (navigate::strategyNeedsMap(options.record.strategy.name))
-    mapping::loadMethodConfig(core::configsFolder() + "/methods",
+  if (strategies::strategyNeedsMap(options.record.strategy.name))
+    mapping::loadMethodConfig(resources::configsFolder() + "/methods",
                               options.slam);  // an unknown one is told now
   return options;
 }
 
 struct ExploringRobot::State {
   explicit State(const Options& options)
-      : plan(record::planOfVisit(world::loadPlan(core::resolvePlan(options.plan)), options.record.living,
+      : plan(record::planOfVisit(world::loadPlan(resources::resolvePlan(options.plan)), options.record.living,
                                  seedOf(options))),
         simulator(plan, options.record.robot, options.record.lidar, options.record.odometry,
                   record::startPose(plan, options.record), seedOf(options), sim::Simulator::kStartTime_s,
                   options.record.living, options.record.camera),
-        driver(navigate::makeStrategy(options.record.strategy, {seedOf(options), "strategy"}),
+        driver(strategies::makeStrategy(options.record.strategy, {seedOf(options), "strategy"}),
                options.record.strategy, options.record.robot, 1 / options.record.lidar.rate_hz,
                {seedOf(options), "driver"}),
         scans_left(options.scans > 0 ? options.scans : -1) {
     for (const auto& lidar : options.record.other_lidars) simulator.mount(lidar, seedOf(options));
-    if (!navigate::strategyNeedsMap(options.record.strategy.name)) return;
-    const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", options.slam);
+    if (!strategies::strategyNeedsMap(options.record.strategy.name)) return;
+    const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", options.slam);
     slam = mapping::makeMapBuilder(config, options.slam, seedOf(options));
   }
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "libslam/core/ini.h"
+#include "libslam/files/ini.h"
 #include "libslam/record/record.h"
 
 namespace slam::plugin {
@@ -26,8 +26,8 @@ struct ExploringRobotOptions {
 
 /// Reads section `section` of `ini`. A key with a dot goes through to the simulation: `robot.side_m = 0.3` is
 /// key side_m of its section [robot]; such keys win over the preset and the short ones. Strict: errors as
-/// core::readParameters and record::readRecordConfig (InputError).
-ExploringRobotOptions readExploringRobotOptions(const core::IniFile& ini, const std::string& section);
+/// files::readParameters and record::readRecordConfig (InputError).
+ExploringRobotOptions readExploringRobotOptions(const files::IniFile& ini, const std::string& section);
 
 /// A robot that explores a plan on its own in simulated time: what record::record() does, one scan at a time,
 /// so that the same plan, options and seed give the same scans and odometry as a rawlog of

@@ -11,9 +11,9 @@
 #include <set>
 
 #include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/plugin/exploring_robot.h"
-#include "libslam/robot/mrpt_types.h"
 
 namespace slam::plugin {
 namespace {
@@ -23,15 +23,15 @@ const std::set<std::string> kMrptKeys = {"driver",          "process_rate", "max
                                          "grab_decimation", "sensorLabel",  "rawlog-grabber-ignore"};
 
 /// The keys that are ours. MRPT leaves a comment behind a text in the value; our own grammar takes it off.
-core::IniFile ownKeys(const mrpt::config::CConfigFileBase& source, const std::string& section) {
-  core::IniFile ini;
+files::IniFile ownKeys(const mrpt::config::CConfigFileBase& source, const std::string& section) {
+  files::IniFile ini;
   std::vector<std::string> keys;
   source.getAllKeys(section, keys);
   for (const auto& key : keys) {
     if (kMrptKeys.count(key)) continue;
     const std::string line = key + " = " + source.read_string(section, key, "");
     const std::string origin = "rawlog-grabber's configuration";
-    const auto parsed = core::IniFile::parse("[" + section + "]\n" + line, origin);
+    const auto parsed = files::IniFile::parse("[" + section + "]\n" + line, origin);
     ini.set(section, key, parsed.find(section, key)->value, origin);
   }
   return ini;
@@ -88,12 +88,12 @@ class SimulatedLidar : public mrpt::hwdrivers::CGenericSensor {
     auto odometry = mrpt::obs::CObservationOdometry::Create();
     odometry->sensorLabel = "ODOMETRY";
     odometry->timestamp = stampOf(sensed);
-    odometry->odometry = mrpt::poses::CPose2D(robot::toMrpt(sensed.T_odom_robot));
+    odometry->odometry = mrpt::poses::CPose2D(lidar::toMrpt(sensed.T_odom_robot));
     return odometry;
   }
 
   mrpt::obs::CObservation2DRangeScan::Ptr scanOf(const sim::Sensed& sensed) const {
-    auto scan = robot::toMrpt(sensed.scan);
+    auto scan = lidar::toMrpt(sensed.scan);
     scan->sensorLabel = m_sensorLabel;
     scan->timestamp = stampOf(sensed);
     return scan;

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/posegraph/chaining.h"
 
 namespace slam::posegraph {
@@ -32,7 +32,7 @@ class Fields {
   double number() {
     const std::string word = next("a number");
     double value = 0;
-    if (!core::parseNumber(word, value)) refuse("found '" + word + "', expected a finite number");
+    if (!files::parseNumber(word, value)) refuse("found '" + word + "', expected a finite number");
     return value;
   }
   core::Pose2 pose() {
@@ -193,7 +193,7 @@ class Writer {
       line += idOf(edge.to) + text(edge.T_from_to);
       for (int row = 0; row < 3; ++row)
         for (int column = row; column < 3; ++column)
-          line += ' ' + core::formatNumber(edge.information(row, column));
+          line += ' ' + files::formatNumber(edge.information(row, column));
       file_.append(line + '\n');
     }
   }
@@ -205,12 +205,12 @@ class Writer {
   }
   static std::string text(const core::Pose2& pose) {
     std::string line;
-    for (const double value : {pose.x, pose.y, pose.phi}) line += ' ' + core::formatNumber(value);
+    for (const double value : {pose.x, pose.y, pose.phi}) line += ' ' + files::formatNumber(value);
     return line;
   }
   const PoseGraph& graph_;
   const std::vector<Id>& ids_;
-  core::GrowingFile file_;
+  files::GrowingFile file_;
 };
 
 void requireIds(const PoseGraph& graph, const std::vector<Id>& ids, const char* who) {
@@ -255,7 +255,7 @@ G2oGraph readG2o(std::istream& text, const std::string& name) {
 }
 
 G2oGraph readG2oFile(const std::string& path) {
-  core::requireReadableFile(path);
+  files::requireReadableFile(path);
   std::ifstream text(path);
   return readG2o(text, path);
 }

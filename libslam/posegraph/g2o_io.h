@@ -37,7 +37,7 @@ struct G2oGraph {
 /// vertex given twice, an edge from a vertex to itself, information that is zero or indefinite; a FIX of no
 /// vertex; no vertex at all.
 G2oGraph readG2o(std::istream& text, const std::string& name);
-/// The same from a file; and core::requireReadableFile()'s errors.
+/// The same from a file; and files::requireReadableFile()'s errors.
 G2oGraph readG2oFile(const std::string& path);
 
 /// Reads back to the same bits. `ids`: one per node, ascending, or empty for 0, 1, 2 ... An edge that is off

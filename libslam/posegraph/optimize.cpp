@@ -29,8 +29,8 @@ OptimizeOptions::OptimizeOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<OptimizeOptions>& OptimizeOptions::table() {
-  static const core::ParameterTable<OptimizeOptions> rows(
+const files::ParameterTable<OptimizeOptions>& OptimizeOptions::table() {
+  static const files::ParameterTable<OptimizeOptions> rows(
       "posegraph",
       {{"robust",
         &OptimizeOptions::robust,

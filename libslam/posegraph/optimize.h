@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/posegraph/pose_graph.h"
 
 namespace slam::posegraph {
@@ -16,7 +16,7 @@ struct OptimizeOptions {
   double tolerance;    ///< done when no pose would move by more than so many of its standard deviations
   int max_iterations;  ///< steps of one descent
   OptimizeOptions();
-  static const core::ParameterTable<OptimizeOptions>& table();
+  static const files::ParameterTable<OptimizeOptions>& table();
 };
 
 struct OptimizeResult {

@@ -4,7 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 
 namespace slam::process {
 namespace fs = std::filesystem;
@@ -56,7 +57,7 @@ std::map<std::string, std::string> filesOfCommand(const std::string& shell_line)
   std::map<std::string, std::string> files;
   const auto add = [&](const fs::path& path) {
     std::error_code error;
-    if (fs::is_regular_file(path, error)) files[path.string()] = core::fileSha256(path.string());
+    if (fs::is_regular_file(path, error)) files[path.string()] = resources::fileSha256(path.string());
   };
   for (const auto& [word, is_command, is_output] : shellWords(shell_line)) {
     const auto path = word.substr(word[0] == '/' ? 0 : word.find('=') + 1);
@@ -64,7 +65,7 @@ std::map<std::string, std::string> filesOfCommand(const std::string& shell_line)
     if (path[0] == '/')
       add(path);
     else if (is_command && path.find('/') == std::string::npos)
-      add(core::findProgram(path));
+      add(files::findProgram(path));
   }
   return files;
 }

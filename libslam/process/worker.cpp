@@ -21,7 +21,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/exit_code.h"
+#include "libslam/process/exit_code.h"
 
 extern char** environ;
 
@@ -96,7 +96,7 @@ void openAs(int number, const char* path, int flags) {
     openAs(STDERR_FILENO, error_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC);
     code = work();
   } catch (const std::exception& error) {
-    code = static_cast<int>(core::exitCodeOf(error));
+    code = static_cast<int>(process::exitCodeOf(error));
     std::cout << nlohmann::json{{"error", error.what()}, {"exit_code", code}}.dump(
                      -1, ' ', false, nlohmann::json::error_handler_t::replace)
               << "\n";

@@ -33,9 +33,9 @@ class Worker {
   explicit Worker(const std::vector<std::string>& command, const std::string& error_path = "");
   /// A copy of this process that does `work` and ends with the exit code that this returns, without the start
   /// of a program (0.15 s of linking for ours). It has this process's memory but none of the files that
-  /// exec(2) would close, and it ends with this process. What `work` throws ends it with core::exitCodeOf()
-  /// and one JSON object on its standard output, {"error", "exit_code"}, as `rasterslam --json` does.
-  /// REQUIRES hasOneThread() (ContractError).
+  /// exec(2) would close, and it ends with this process. What `work` throws ends it with
+  /// process::exitCodeOf() and one JSON object on its standard output, {"error", "exit_code"}, as `rasterslam
+  /// --json` does. REQUIRES hasOneThread() (ContractError).
   Worker(const std::function<int()>& work, const std::string& error_path);
   /// Kills and buries a child that still runs.
   ~Worker();

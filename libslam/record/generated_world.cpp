@@ -7,10 +7,10 @@
 
 namespace slam::record {
 
-buildings::GeneratedBuilding generateWorld(const std::string& kind, const core::IniFile& config,
+buildings::GeneratedBuilding generateWorld(const std::string& kind, const files::IniFile& config,
                                            std::uint64_t seed) {
   buildings::BuildingOptions options;
-  core::readParameters(config, buildings::BuildingOptions::table(), options);
+  files::readParameters(config, buildings::BuildingOptions::table(), options);
   const auto& kinds = buildings::buildingKinds();
   const bool is_kind = std::any_of(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == kind; });
   const auto fixed = buildings::buildingNames();

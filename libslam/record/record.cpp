@@ -5,34 +5,35 @@
 
 #include "libslam/buildings/furniture.h"
 #include "libslam/core/error.h"
-#include "libslam/core/number_list.h"
-#include "libslam/paths/safe_motion.h"
+#include "libslam/files/number_list.h"
 #include "libslam/record/recorder.h"
 #include "libslam/record/sensor.h"
+#include "libslam/safety/safe_motion.h"
 
 namespace slam::record {
 
 core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config) {
-  const double w_m = config.strategy.stop_clearance_m > 0
-                         ? config.strategy.stop_clearance_m
-                         : paths::stopClearance(config.robot, 1 / config.lidar.rate_hz, config.lidar.sigma_m);
+  const double w_m =
+      config.strategy.stop_clearance_m > 0
+          ? config.strategy.stop_clearance_m
+          : safety::stopClearance(config.robot, 1 / config.lidar.rate_hz, config.lidar.sigma_m);
   const double clearance_m = robot::circumscribedRadius(config.robot) + w_m;
   if (config.simulation.start == "auto") {
     if (const auto pose = world::findStartPose(plan, clearance_m)) return *pose;
     if (const auto pose = world::findStartPose(plan, robot::circumscribedRadius(config.robot))) return *pose;
     throw core::InputError(plan.name + ": no free place for a robot of side " +
-                           core::formatNumber(config.robot.side_m) + " m");
+                           files::formatNumber(config.robot.side_m) + " m");
   }
-  const auto numbers = core::parseNumberList(config.simulation.start);
+  const auto numbers = files::parseNumberList(config.simulation.start);
   if (numbers.size() != 3)
     throw core::InputError("section [simulation], key 'start': found '" + config.simulation.start +
                            "', expected auto or x_m,y_m,yaw_deg");
   return {numbers[0], numbers[1], core::wrapToPi(core::degToRad(numbers[2]))};
 }
 
-const core::ParameterTable<SimulationOptions>& SimulationOptions::table() {
+const files::ParameterTable<SimulationOptions>& SimulationOptions::table() {
   using O = SimulationOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "simulation",
       {{"duration_s", &O::duration_s, 600.0, 0.0, 1e7, "longest recording, in the robot's time"},
        {"start", &O::start, "auto", {}, "auto, or x_m,y_m,yaw_deg in the world frame"},
@@ -44,35 +45,30 @@ SimulationOptions::SimulationOptions() {
   table().setDefaults(*this);
 }
 
-RecordConfig readRecordConfig(const core::IniFile& given, const std::vector<std::string>& other_sections) {
+RecordConfig readRecordConfig(const files::IniFile& given, const std::vector<std::string>& other_sections) {
   std::vector<std::string> known = {"robot",  "odometry",   "strategy", "obstacles",
                                     "living", "simulation", "events"};
   const auto sensors = sensorSections(given);
   known.insert(known.end(), sensors.begin(), sensors.end());
   known.insert(known.end(), other_sections.begin(), other_sections.end());
-  core::rejectUnknownSections(given, known);
+  files::rejectUnknownSections(given, known);
   RecordConfig config;
   auto* report = &config.parameters;
-  core::readParameters(given, robot::RobotOptions::table(), config.robot, report);
+  files::readParameters(given, robot::RobotOptions::table(), config.robot, report);
   const auto sensor = readSensor(given, config.robot, report);
   config.lidar = sensor.lidar, config.camera = sensor.camera, config.other_lidars = sensor.other_lidars;
   const auto ini = withCameraDefaults(given, sensor.camera, config.robot);
-  core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
-  core::readParameters(ini, navigate::StrategyOptions::table(), config.strategy, report);
-  core::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.strategy.obstacles, report);
-  core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
-  core::readParameters(ini, SimulationOptions::table(), config.simulation, report);
+  files::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
+  files::readParameters(ini, strategies::StrategyOptions::table(), config.strategy, report);
+  files::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.strategy.obstacles, report);
+  files::readParameters(ini, movers::LivingOptions::table(), config.living, report);
+  files::readParameters(ini, SimulationOptions::table(), config.simulation, report);
   config.carries = sim::readCarries(ini, report);
   sim::requireBefore(config.carries, config.simulation.duration_s);
   return config;
 }
 
-std::string logStem(const std::string& log_path) {
-  const std::filesystem::path path(log_path);
-  return path.extension() == ".rawlog" ? (path.parent_path() / path.stem()).string() : log_path;
-}
-
-world::Plan planOfVisit(const world::Plan& plan, const sim::LivingOptions& living, std::uint64_t seed) {
+world::Plan planOfVisit(const world::Plan& plan, const movers::LivingOptions& living, std::uint64_t seed) {
   world::Plan found = plan;
   for (int visit = 2; visit <= living.visit; ++visit) {
     core::RandomStream random(seed, "visit " + std::to_string(visit));
@@ -85,9 +81,9 @@ namespace {
 
 /// The loop of every recording. `decision` tells the observer what the commander follows; nullptr: nothing.
 Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std::uint64_t seed,
-                     const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                     const std::string& log_path, resources::Manifest manifest, core::Progress& progress,
                      const Commander& commander, StepObserver* observer,
-                     const std::function<const navigate::Decision*()>& decision) {
+                     const std::function<const choices::Decision*()>& decision) {
   const double period_s = 1 / config.lidar.rate_hz;
   simulator.carryAt(config.carries);
   for (const auto& lidar : config.other_lidars) simulator.mount(lidar, seed);
@@ -119,12 +115,12 @@ Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std:
 }  // namespace
 
 Recording record(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
-                 const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                 const std::string& log_path, resources::Manifest manifest, core::Progress& progress,
                  StepObserver* observer) {
   const world::Plan plan = planOfVisit(given_plan, config.living, seed);
   sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed,
                            sim::Simulator::kStartTime_s, config.living, config.camera);
-  navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(seed, "strategy")),
+  navigate::Driver driver(strategies::makeStrategy(config.strategy, core::RandomStream(seed, "strategy")),
                           config.strategy, config.robot, 1 / config.lidar.rate_hz,
                           core::RandomStream(seed, "driver"));
   if (driver.wantsMap())
@@ -142,7 +138,7 @@ Recording record(const world::Plan& given_plan, const RecordConfig& config, std:
 }
 
 Recording recordCommands(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
-                         const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                         const std::string& log_path, resources::Manifest manifest, core::Progress& progress,
                          const Commander& commander, StepObserver* observer) {
   const world::Plan plan = planOfVisit(given_plan, config.living, seed);
   sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed,

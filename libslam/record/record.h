@@ -5,19 +5,19 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
-#include "libslam/core/parameters.h"
 #include "libslam/core/progress.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
+#include "libslam/lidar/lidar.h"
+#include "libslam/movers/living.h"
 #include "libslam/record/step_observer.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/robot/camera.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/lidar.h"
 #include "libslam/robot/odometry_noise.h"
 #include "libslam/sim/carry.h"
-#include "libslam/sim/living.h"
 #include "libslam/sim/simulator.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/world/plan.h"
 
 namespace slam::record {
@@ -28,27 +28,27 @@ struct SimulationOptions {
   std::string start;     ///< "auto", or "x_m,y_m,yaw_deg" in the world frame; blanks do as commas
   std::string log_form;  ///< action | observation
   SimulationOptions();
-  static const core::ParameterTable<SimulationOptions>& table();
+  static const files::ParameterTable<SimulationOptions>& table();
 };
 
 /// All that decides a recording besides the plan and the seed.
 struct RecordConfig {
   robot::RobotOptions robot;
-  robot::LidarOptions lidar;                  ///< with a camera: the one that would give its scans
+  lidar::LidarOptions lidar;                  ///< with a camera: the one that would give its scans
   std::vector<sim::NamedLidar> other_lidars;  ///< of the sections [lidar NAME]
   std::optional<robot::FloorCamera> camera;   ///< looks in place of the lidar
   robot::OdometryOptions odometry;
-  navigate::StrategyOptions strategy;
-  sim::LivingOptions living;
+  strategies::StrategyOptions strategy;
+  movers::LivingOptions living;
   SimulationOptions simulation;
-  std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot
-  std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
+  std::vector<sim::CarryOrder> carries;            ///< when and where somebody carries the robot
+  std::vector<files::ParameterReport> parameters;  ///< every value and where it came from
 };
 
 /// Reads sections [robot], those of readSensor(), [odometry] [strategy] [obstacles] [living] [simulation]
 /// [events]; strict but for `other_sections`, which
 /// someone else reads.
-RecordConfig readRecordConfig(const core::IniFile& config,
+RecordConfig readRecordConfig(const files::IniFile& config,
                               const std::vector<std::string>& other_sections = {});
 
 /// Where the robot starts, world frame: as [simulation] start says; "auto" is a free place in the middle,
@@ -56,7 +56,7 @@ RecordConfig readRecordConfig(const core::IniFile& config,
 core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config);
 
 /// What the robot finds on this [living] visit: the plan, its furniture moved visit - 1 times.
-world::Plan planOfVisit(const world::Plan& plan, const sim::LivingOptions& living, std::uint64_t seed);
+world::Plan planOfVisit(const world::Plan& plan, const movers::LivingOptions& living, std::uint64_t seed);
 
 /// What came out of a recording.
 struct Recording {
@@ -83,7 +83,7 @@ struct Recording {
 /// Same plan, config and seed: the same bytes (but for the times in the manifest). InputError for a strategy
 /// that needs a map: explore() builds one.
 Recording record(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
-                 const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                 const std::string& log_path, resources::Manifest manifest, core::Progress& progress,
                  StepObserver* observer = nullptr);
 
 /// What is done next: a command to the robot, before which it may be kidnapped.
@@ -98,10 +98,7 @@ struct Order {
 using Commander = std::function<std::optional<Order>(const sim::Sensed& sensed)>;
 /// The same with commands from elsewhere, such as from someone at the keys, instead of a strategy.
 Recording recordCommands(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
-                         const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                         const std::string& log_path, resources::Manifest manifest, core::Progress& progress,
                          const Commander& commander, StepObserver* observer = nullptr);
-
-/// "a/run.rawlog" -> "a/run": the stem of the files beside a log.
-std::string logStem(const std::string& log_path);
 
 }  // namespace slam::record

@@ -5,15 +5,16 @@
 #include <map>
 #include <optional>
 
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/odometry/scan_odometry.h"
-#include "libslam/record/carry_file.h"
-#include "libslam/record/collision_file.h"
-#include "libslam/record/movers_log.h"
 #include "libslam/sim/operation_log.h"
+#include "libslam/truth/carry_file.h"
+#include "libslam/truth/collision_file.h"
+#include "libslam/truth/movers_log.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::record {
 namespace {
@@ -44,11 +45,11 @@ struct Recorder::State {
   State(const std::string& path, const RecordConfig& record_config)
       : log_path(path),
         config(record_config),
-        log(path, record_config.simulation.log_form == "action" ? logs::RawlogForm::kActionFrame
-                                                                : logs::RawlogForm::kObservationOnly),
-        tum(logStem(path) + ".gt.tum", logs::TrajectoryWriter::Format::kTum),
+        log(path, record_config.simulation.log_form == "action" ? rawlogs::RawlogForm::kActionFrame
+                                                                : rawlogs::RawlogForm::kObservationOnly),
+        tum(truth::logStem(path) + ".gt.tum", logs::TrajectoryWriter::Format::kTum),
         mrpt_truth(path + ".GT.txt", logs::TrajectoryWriter::Format::kMrptGroundTruth),
-        operations(logStem(path) + ".operations.txt") {}
+        operations(truth::logStem(path) + ".operations.txt") {}
 
   void addTruth(const sim::Simulator& simulator) {
     const core::StampedPose pose{simulator.time_s(), simulator.truth()};
@@ -59,7 +60,7 @@ struct Recorder::State {
   }
 
   /// The command that led to the newest scan, which is not counted yet.
-  void addOperation(const robot::Commanded& commanded, const robot::Scan& scan) {
+  void addOperation(const robot::Commanded& commanded, const lidar::Scan& scan) {
     const auto motion = scan_odometry->update(scan, commanded);
     if (!commanded.continues) endOperation();
     if (commanded.kind == robot::MotionKind::kRest) return;
@@ -77,7 +78,7 @@ struct Recorder::State {
   /// Ends all files but the manifest, which is named.
   Recording finish(const sim::Simulator& simulator) {
     Recording recording;
-    const std::string stem = logStem(log_path);
+    const std::string stem = truth::logStem(log_path);
     log.close();
     tum.close();
     mrpt_truth.close();
@@ -92,8 +93,8 @@ struct Recorder::State {
     recording.files = {log_path, log_path + ".GT.txt", stem + ".gt.tum", stem + ".operations.txt",
                        stem + ".manifest.json"};
     if (movers) movers->commit(), recording.files.push_back(stem + ".movers.csv");
-    writeUnlessEmpty(recording.collisions, collisionsPath(log_path), collisionsCsv, recording);
-    writeUnlessEmpty(recording.carries, carriesPath(log_path), carriesCsv, recording);
+    writeUnlessEmpty(recording.collisions, truth::collisionsPath(log_path), truth::collisionsCsv, recording);
+    writeUnlessEmpty(recording.carries, truth::carriesPath(log_path), truth::carriesCsv, recording);
     if (isLaterVisit()) {
       world::savePlan(simulator.scene().planWithDoorsOpen(), stem + ".plan.yaml");
       recording.files.push_back(stem + ".plan.yaml");
@@ -101,14 +102,14 @@ struct Recorder::State {
     return recording;
   }
 
-  void describe(const Recording& recording, core::Manifest& manifest) const {
+  void describe(const Recording& recording, resources::Manifest& manifest) const {
     for (const auto& line : config.parameters)
       manifest.config[line.section + "." + line.info.key] = line.value;
     describeFiles(recording, manifest.files);
     auto& results = manifest.results;
     results["scans"] = std::to_string(recording.scans);
-    results["duration_s"] = core::formatNumber(recording.duration_s);
-    results["path_length_m"] = core::formatNumber(recording.path_length_m);
+    results["duration_s"] = files::formatNumber(recording.duration_s);
+    results["path_length_m"] = files::formatNumber(recording.path_length_m);
     results["collisions"] = std::to_string(recording.collisions.size());
     if (!recording.carries.empty()) results["carries"] = std::to_string(recording.carries.size());
     manifest.times_s["simulation"] =
@@ -120,13 +121,13 @@ struct Recorder::State {
   logs::LogWriter log;
   std::unique_ptr<odometry::ScanOdometry> scan_odometry = originalOdometry();
   logs::TrajectoryWriter tum, mrpt_truth;
-  core::GrowingFile operations;
+  files::GrowingFile operations;
   robot::CommandSeries commands;
   std::optional<sim::Operation> operation;  ///< the command that is under way
   size_t scans = 0;
   double first_time_s = 0;
   sim::DrivenPath driven;
-  std::optional<MoversLog> movers;
+  std::optional<truth::MoversLog> movers;
   std::chrono::steady_clock::time_point wall_start = std::chrono::steady_clock::now();
 
  private:
@@ -139,13 +140,13 @@ struct Recorder::State {
       std::filesystem::remove(path);  // of the recording that this one replaces
       return;
     }
-    core::writeFileAtomically(path, toCsv(events));
+    files::writeFileAtomically(path, toCsv(events));
     recording.files.push_back(path);
   }
 
   void describeFiles(const Recording& recording, std::map<std::string, std::string>& files) const {
     const auto name = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
-    const std::string stem = name(logStem(log_path));
+    const std::string stem = name(truth::logStem(log_path));
     files[name(log_path)] = "MRPT rawlog: RawLogViewer, rawlog-edit, icp-slam, rasterslam run";
     files[name(log_path) + ".GT.txt"] = "truth, MRPT's text form, relative to the start: graphslam-engine -g";
     files[stem + ".gt.tum"] = "truth, TUM form, world frame: rasterslam eval --truth, evo";
@@ -157,9 +158,11 @@ struct Recorder::State {
           "truth: where people and doors that move were at every scan (time, kind, id, place, heading, "
           "state)";
     if (!recording.collisions.empty())
-      files[name(collisionsPath(log_path))] = "truth: when and where a wall or a person cut a command short";
+      files[name(truth::collisionsPath(log_path))] =
+          "truth: when and where a wall or a person cut a command short";
     if (!recording.carries.empty())
-      files[name(carriesPath(log_path))] = "truth: when the robot was kidnapped, from where and where to";
+      files[name(truth::carriesPath(log_path))] =
+          "truth: when the robot was kidnapped, from where and where to";
     if (isLaterVisit())
       files[stem + ".plan.yaml"] = "true plan of this visit, furniture moved: rasterslam eval --plan";
   }
@@ -175,7 +178,7 @@ void Recorder::begin(const sim::Simulator& simulator, const sim::Sensed& sensed)
   state_->log.write(toLogEntry(sensed));
   state_->addTruth(simulator);
   if (!simulator.scene().isAlive()) return;
-  state_->movers.emplace(logStem(state_->log_path) + ".movers.csv");
+  state_->movers.emplace(truth::logStem(state_->log_path) + ".movers.csv");
   state_->movers->add(simulator);
 }
 
@@ -187,12 +190,13 @@ void Recorder::add(const robot::Command& command, const sim::Simulator& simulato
   if (state_->movers) state_->movers->add(simulator);
 }
 
-Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, core::Manifest manifest) {
+Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed,
+                           resources::Manifest manifest) {
   State& state = *state_;
   const Recording recording = state.finish(simulator);
   manifest.seed = seed;
   state.describe(recording, manifest);
-  core::writeManifest(manifest, logStem(state.log_path) + ".manifest.json");
+  resources::writeManifest(manifest, truth::logStem(state.log_path) + ".manifest.json");
   return recording;
 }
 

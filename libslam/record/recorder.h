@@ -20,7 +20,7 @@ class Recorder {
   void add(const robot::Command& command, const sim::Simulator& simulator, const sim::Sensed& sensed,
            bool is_whole = false);
   /// Closes the log, writes the files beside it, and tells what came out.
-  Recording finish(const sim::Simulator& simulator, std::uint64_t seed, core::Manifest manifest);
+  Recording finish(const sim::Simulator& simulator, std::uint64_t seed, resources::Manifest manifest);
 
  private:
   struct State;

@@ -4,7 +4,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::record {
 namespace {
@@ -18,33 +18,33 @@ bool isLidar(const std::string& section) {
 
 /// "lidar rear" -> "rear"; "" for all other sections.
 std::string lidarName(const std::string& section) {
-  return isLidar(section) && section != kLidar ? core::trimmed(section.substr(6)) : "";
+  return isLidar(section) && section != kLidar ? files::trimmed(section.substr(6)) : "";
 }
 
 /// The rows of [lidar], from a section of another name too.
-robot::LidarOptions readLidar(const core::IniFile& config, const std::string& section,
-                              const robot::RobotOptions& robot, std::vector<core::ParameterReport>* report) {
-  core::IniFile own;
+lidar::LidarOptions readLidar(const files::IniFile& config, const std::string& section,
+                              const robot::RobotOptions& robot, std::vector<files::ParameterReport>* report) {
+  files::IniFile own;
   if (const auto it = config.sections().find(section); it != config.sections().end())
     for (const auto& [key, entry] : it->second) own.set(kLidar, key, entry.value, entry.origin);
-  robot::LidarOptions lidar;
-  std::vector<core::ParameterReport> lines;
-  core::readParameters(own, robot::LidarOptions::table(), lidar, &lines);
+  lidar::LidarOptions lidar;
+  std::vector<files::ParameterReport> lines;
+  files::readParameters(own, lidar::LidarOptions::table(), lidar, &lines);
   for (auto& line : lines) line.section = section;
   if (report != nullptr) report->insert(report->end(), lines.begin(), lines.end());
   const double away_m = core::hypot(lidar.mount_x_m, lidar.mount_y_m);
   const double radius_m = robot::circumscribedRadius(robot);
   if (away_m > radius_m)
     throw core::InputError("section [" + section + "], keys 'mount_x_m' and 'mount_y_m': the lidar is " +
-                           core::formatNumber(std::round(1e3 * away_m) / 1e3) +
+                           files::formatNumber(std::round(1e3 * away_m) / 1e3) +
                            " m from the robot's centre, expected on it: at most " +
-                           core::formatNumber(std::round(1e3 * radius_m) / 1e3) + " m (robot.side_m)");
+                           files::formatNumber(std::round(1e3 * radius_m) / 1e3) + " m (robot.side_m)");
   return lidar;
 }
 
 /// Lidars in one place are one for whoever reads the log, as are those of one name.
 void requireApart(const SensorConfig& sensor) {
-  std::vector<const robot::LidarOptions*> mounted = {&sensor.lidar};
+  std::vector<const lidar::LidarOptions*> mounted = {&sensor.lidar};
   for (const auto& other : sensor.other_lidars) {
     const std::string section = "section [lidar " + other.label + "]: ";
     if (other.label == kFirstLabel || other.label.find(',') != std::string::npos)
@@ -67,24 +67,24 @@ SensorOptions::SensorOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<SensorOptions>& SensorOptions::table() {
+const files::ParameterTable<SensorOptions>& SensorOptions::table() {
   using O = SensorOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       kSection, {{"kind", &O::kind, "lidar", {"lidar", kCamera}, "what the robot looks with"}});
   return rows;
 }
 
-std::vector<std::string> sensorSections(const core::IniFile& config) {
+std::vector<std::string> sensorSections(const files::IniFile& config) {
   std::vector<std::string> sections = {kSection, "lidar", "camera", "camera_scan"};
   for (const auto& [section, entries] : config.sections())
     if (!lidarName(section).empty()) sections.push_back(section);
   return sections;
 }
 
-SensorConfig readSensor(const core::IniFile& config, const robot::RobotOptions& robot,
-                        std::vector<core::ParameterReport>* report) {
+SensorConfig readSensor(const files::IniFile& config, const robot::RobotOptions& robot,
+                        std::vector<files::ParameterReport>* report) {
   SensorOptions options;
-  core::readParameters(config, SensorOptions::table(), options, report);
+  files::readParameters(config, SensorOptions::table(), options, report);
   const bool is_camera = options.kind == kCamera;
   for (const auto& section : sensorSections(config)) {
     const bool is_others = section != kSection && isLidar(section) == is_camera;
@@ -102,16 +102,17 @@ SensorConfig readSensor(const core::IniFile& config, const robot::RobotOptions& 
     return sensor;
   }
   sensor.camera.emplace();
-  core::readParameters(config, robot::CameraOptions::table(), sensor.camera->view, report);
-  core::readParameters(config, robot::CameraScanOptions::table(), sensor.camera->scan, report);
+  files::readParameters(config, robot::CameraOptions::table(), sensor.camera->view, report);
+  files::readParameters(config, robot::CameraScanOptions::table(), sensor.camera->scan, report);
   robot::requireSensible(*sensor.camera);
   sensor.lidar = robot::asLidar(*sensor.camera);
   return sensor;
 }
 
-core::IniFile withCameraDefaults(const core::IniFile& config, const std::optional<robot::FloorCamera>& camera,
-                                 const robot::RobotOptions& robot) {
-  core::IniFile filled = config;
+files::IniFile withCameraDefaults(const files::IniFile& config,
+                                  const std::optional<robot::FloorCamera>& camera,
+                                  const robot::RobotOptions& robot) {
+  files::IniFile filled = config;
   if (!camera) return filled;
   const auto setDefault = [&](const char* section, const char* key, const std::string& value) {
     if (!config.find(section, key)) filled.set(section, key, value, "sensor.kind = camera");
@@ -125,13 +126,13 @@ core::IniFile withCameraDefaults(const core::IniFile& config, const std::optiona
   setDefault("navigate", "unseen", "looked_at");
   const double reach_m =
       robot::visibleFloor(camera->view).nearest_m + robot.max_speed_mps / camera->scan.rate_hz;
-  if (reach_m > navigate::StrategyOptions().stop_clearance_m)
-    setDefault("strategy", "stop_clearance_m", core::formatNumber(std::ceil(reach_m * 100) / 100));
+  if (reach_m > strategies::StrategyOptions().stop_clearance_m)
+    setDefault("strategy", "stop_clearance_m", files::formatNumber(std::ceil(reach_m * 100) / 100));
   return filled;
 }
 
 std::pair<double, int> beamsOverFloor(const std::optional<robot::FloorCamera>& camera,
-                                      const robot::Scan& scan) {
+                                      const lidar::Scan& scan) {
   if (!camera) return {scan.first_angle_rad, static_cast<int>(scan.ranges_m.size())};
   const double half_rad = robot::wholeHalfAngle(*camera);
   return {-half_rad, 2 * static_cast<int>(std::lround(half_rad / scan.step_rad)) + 1};

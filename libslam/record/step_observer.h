@@ -2,10 +2,10 @@
 #include <string>
 
 #include "libslam/core/pose2.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/navigate/strategy.h"
-#include "libslam/robot/scan.h"
 #include "libslam/sim/simulator.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::record {
 
@@ -13,14 +13,14 @@ namespace slam::record {
 /// only.
 struct Step {
   double time_s;                                ///< since the first scan
-  const robot::Scan& scan;                      ///< the new one
+  const lidar::Scan& scan;                      ///< the new one
   core::Pose2 T_previous_robot;                 ///< odometry's increment since the scan before
   core::Pose2 T_map_robot;                      ///< the estimate; without a method odometry's, from the start
   const mapping::MapBuilder* method = nullptr;  ///< nullptr: no map is built
   const sim::Simulator* simulator = nullptr;    ///< nullptr: the scans come from a log
-  const navigate::Decision* decision = nullptr;  ///< nullptr: none, or of a navigator that has no such
-  std::string note = {};                         ///< what a navigator says of its state
-  robot::Commanded commanded = {};  ///< what led to the scan, where the loop builds no map itself
+  const choices::Decision* decision = nullptr;  ///< nullptr: none, or of a navigator that has no such
+  std::string note = {};                        ///< what a navigator says of its state
+  robot::Commanded commanded = {};              ///< what led to the scan, where the loop builds no map itself
   const sim::Sensed* sensed =
       nullptr;  ///< all that was sensed with the scan; nullptr: the scans come from a log
 };

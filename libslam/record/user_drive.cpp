@@ -47,7 +47,7 @@ class OutcomeNotes : public StepObserver {
 
 UserDrive recordUserCommands(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
                              const std::string& log_path, const std::vector<robot::UserCommand>& commands,
-                             core::Manifest manifest, core::Progress& progress, StepObserver* observer) {
+                             resources::Manifest manifest, core::Progress& progress, StepObserver* observer) {
   OutcomeNotes notes(observer);
   std::size_t next = 0;
   const auto commander = [&](const sim::Sensed&) -> std::optional<Order> {

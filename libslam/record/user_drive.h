@@ -25,7 +25,7 @@ struct UserDrive {
 /// an obstacle stops there, and the next one is carried out all the same. Errors: as record().
 UserDrive recordUserCommands(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
                              const std::string& log_path, const std::vector<robot::UserCommand>& commands,
-                             core::Manifest manifest, core::Progress& progress,
+                             resources::Manifest manifest, core::Progress& progress,
                              StepObserver* observer = nullptr);
 
 /// For people, where there is something to say: "line 3: move 1.5 ended at an obstacle after 0.82 m"; "" for

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
 #include "libslam/draw/page_text.h"
+#include "libslam/files/parameters.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
 #include "libslam/report/page_replay.h"

@@ -7,11 +7,11 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/draw/canvas.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/metrics/map_score.h"
 #include "libslam/pictures/journal_picture.h"
 #include "libslam/report/page_chart.h"
 #include "libslam/report/page_table.h"
-#include "libslam/robot/scan.h"
 #include "libslam/table/table.h"
 #include "libslam/world/plan.h"
 
@@ -63,7 +63,7 @@ struct ReportReplay {
   core::Trajectory truth;           ///< may be empty
   std::optional<world::Plan> plan;  ///< the true one
   std::optional<metrics::SeenMask> seen;
-  std::vector<robot::Scan> scans;       ///< those shown, in time; may be empty
+  std::vector<lidar::Scan> scans;       ///< those shown, in time; may be empty
   std::size_t scan_count = 0;           ///< in the log
   std::vector<std::string> operations;  ///< the one before each of `scans`, "" where none; may be empty
   std::vector<ReportGoal> goals;

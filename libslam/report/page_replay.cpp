@@ -30,7 +30,7 @@ std::string posesAt(const core::Trajectory& path, const std::vector<double>& sta
 constexpr unsigned kLostCode = 65535, kNoReturnCode = 65534;
 
 /// Ranges in centimetres, two bytes each, lowest first. Scans of another geometry than the first have none.
-Json scansJson(const std::vector<robot::Scan>& scans) {
+Json scansJson(const std::vector<lidar::Scan>& scans) {
   const auto& first = scans.front();
   const size_t beams = first.ranges_m.size();
   const size_t step = (beams + kMostReplayedBeams - 1) / kMostReplayedBeams;
@@ -38,8 +38,8 @@ Json scansJson(const std::vector<robot::Scan>& scans) {
   for (const auto& scan : scans)
     for (size_t i = 0; i < beams; i += step) {
       unsigned code = kLostCode;
-      if (scan.ranges_m.size() == beams && scan.ranges_m[i] == robot::kNoReturn) code = kNoReturnCode;
-      if (scan.ranges_m.size() == beams && robot::isReturn(scan.ranges_m[i]))
+      if (scan.ranges_m.size() == beams && scan.ranges_m[i] == lidar::kNoReturn) code = kNoReturnCode;
+      if (scan.ranges_m.size() == beams && lidar::isReturn(scan.ranges_m[i]))
         code = static_cast<unsigned>(std::min(65533.0, std::round(100.0 * scan.ranges_m[i])));
       bytes += {static_cast<char>(code & 0xFFU), static_cast<char>(code >> 8U)};
     }

@@ -5,8 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/parameters.h"
 #include "libslam/draw/page_text.h"
+#include "libslam/files/parameters.h"
 #include "libslam/report/html_report.h"
 
 namespace slam::report {
@@ -23,7 +23,7 @@ std::string sortValue(const table::CellValue& cell) {
   } else {
     const auto& text = std::get<std::string>(cell);
     const bool is_bound = !text.empty() && text.front() == '<';
-    if (text != "-" && !core::parseNumber(text.substr(is_bound ? 1 : 0, text.find(" [")), number)) return "";
+    if (text != "-" && !files::parseNumber(text.substr(is_bound ? 1 : 0, text.find(" [")), number)) return "";
     if (is_bound) number /= 2;
   }
   if (std::isfinite(number)) return nlohmann::json(number).dump();

@@ -50,9 +50,9 @@ CameraOptions::CameraOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<CameraOptions>& CameraOptions::table() {
+const files::ParameterTable<CameraOptions>& CameraOptions::table() {
   using O = CameraOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "camera", {{"x_m", &O::x_m, 0.1, -10.0, 10.0, "of the camera ahead of the robot's centre"},
                  {"y_m", &O::y_m, 0.0, -10.0, 10.0, "of the camera to the left of the robot's centre"},
                  {"height_m", &O::height_m, 0.5, 0.001, 100.0, "of the camera above the floor"},
@@ -71,9 +71,9 @@ CameraScanOptions::CameraScanOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<CameraScanOptions>& CameraScanOptions::table() {
+const files::ParameterTable<CameraScanOptions>& CameraScanOptions::table() {
   using O = CameraScanOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "camera_scan",
       {{"beams_per_circle", &O::beams_per_circle, 720, 36, 36000,
         "bearings are multiples of 360 degrees by this"},
@@ -100,7 +100,7 @@ VisibleFloor visibleFloor(const CameraOptions& options) {
 void requireSensible(const FloorCamera& camera) {
   const auto& view = camera.view;
   const auto degrees = [](double rad) {
-    return core::formatNumber(std::round(core::radToDeg(rad) * 1e6) / 1e6);
+    return files::formatNumber(std::round(core::radToDeg(rad) * 1e6) / 1e6);
   };
   if (view.pitch_rad + view.fov_y_rad / 2 <= 0)
     fail("camera", "pitch_deg", degrees(view.pitch_rad),
@@ -108,8 +108,8 @@ void requireSensible(const FloorCamera& camera) {
              ": the camera looks above the horizon and sees no floor");
   const auto [begin_m, end_m] = depthSpan(camera);
   if (begin_m >= camera.scan.reach_m)
-    fail("camera_scan", "reach_m", core::formatNumber(camera.scan.reach_m),
-         "more than Ymin = " + core::formatNumber(std::round(begin_m * 1e6) / 1e6) +
+    fail("camera_scan", "reach_m", files::formatNumber(camera.scan.reach_m),
+         "more than Ymin = " + files::formatNumber(std::round(begin_m * 1e6) / 1e6) +
              " m, where the visible floor begins");
   if (begin_m >= end_m)
     fail("camera", "pitch_deg", degrees(view.pitch_rad),
@@ -132,10 +132,10 @@ BearingSpan bearingSpan(const FloorCamera& camera, double bearing_rad) {
   return {begin_m / cosine, std::min(end_m / cosine, depthSpan(camera).end_m)};
 }
 
-LidarOptions asLidar(const FloorCamera& camera) {
+lidar::LidarOptions asLidar(const FloorCamera& camera) {
   const auto [begin_m, end_m] = depthSpan(camera);
   const int aside = bearingsAside(camera);
-  LidarOptions lidar;
+  lidar::LidarOptions lidar;
   lidar.fov_rad = 2 * aside * step(camera.scan);
   lidar.beams = 2 * aside + 1;
   lidar.min_range_m = begin_m;
@@ -171,9 +171,9 @@ void applyCameraErrors(const FloorCamera& camera, core::RandomStream& random, st
     float& range_m = ranges_m[static_cast<size_t>(beam)];
     const auto [begin_m, end_m] = bearingSpan(camera, (beam - middle) * step(camera.scan));
     if (is_lost || range_m < begin_m || !(begin_m < end_m)) {
-      range_m = kLostReading;
+      range_m = lidar::kLostReading;
     } else if (range_m >= end_m) {
-      range_m = end_m >= most_m ? kNoReturn : kLostReading;
+      range_m = end_m >= most_m ? lidar::kNoReturn : lidar::kLostReading;
     } else {
       const double below_rad = core::atan2(height_m, static_cast<double>(range_m)) + error_rad;
       const double seen_m = floorDistance(height_m, std::max(0.0, below_rad));

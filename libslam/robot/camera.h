@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
 #include "libslam/core/random.h"
-#include "libslam/robot/lidar.h"
+#include "libslam/files/parameters.h"
+#include "libslam/lidar/lidar.h"
 
 namespace slam::robot {
 
@@ -18,7 +18,7 @@ struct CameraOptions {
   std::string area;             ///< exact | original
 
   CameraOptions();
-  static const core::ParameterTable<CameraOptions>& table();
+  static const files::ParameterTable<CameraOptions>& table();
 };
 
 /// The floor that a pinhole camera sees. With X the distance ahead of the camera's foot, Y the distance to
@@ -53,7 +53,7 @@ struct CameraScanOptions {
   double drop_out;        ///< probability that nothing is found under a bearing
 
   CameraScanOptions();
-  static const core::ParameterTable<CameraScanOptions>& table();
+  static const files::ParameterTable<CameraScanOptions>& table();
 };
 
 /// A camera that looks at the floor.
@@ -76,7 +76,7 @@ BearingSpan bearingSpan(const FloorCamera& camera, double bearing_rad);
 /// The scan that the camera gives, as the lidar that would give it: beams symmetrical about straight ahead,
 /// as far aside as any floor is visible; from the camera's foot; ranges from Ymin to the reach or the far
 /// edge, whichever is nearer; noise as in edgeSigma() at 3 m. REQUIRES requireSensible().
-LidarOptions asLidar(const FloorCamera& camera);
+lidar::LidarOptions asLidar(const FloorCamera& camera);
 
 /// Half of the angle of the wedge, in radians, along whose bearings all floor is visible from the near edge
 /// to asLidar()'s maximum range. Farther aside the sides of the picture end it sooner.

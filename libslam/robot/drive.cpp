@@ -6,9 +6,9 @@
 
 namespace slam::robot {
 
-const core::ParameterTable<RobotOptions>& RobotOptions::table() {
+const files::ParameterTable<RobotOptions>& RobotOptions::table() {
   using O = RobotOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "robot", {{"side_m", &O::side_m, 0.4, 0.01, 10.0, "side of the square footprint"},
                 {"max_speed_mps", &O::max_speed_mps, 0.5, 0.001, 100.0, "driving"},
                 {"max_turn_rate_degps", &O::max_turn_rate_radps, 60.0, 0.1, 3600.0, "turning in place"}});

@@ -1,6 +1,6 @@
 #pragma once
-#include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::robot {
 
@@ -18,7 +18,7 @@ struct RobotOptions {
   double max_speed_mps;
   double max_turn_rate_radps;
   RobotOptions();
-  static const core::ParameterTable<RobotOptions>& table();
+  static const files::ParameterTable<RobotOptions>& table();
 };
 
 /// Radius of the circle around the square: it must stay free so that the robot can turn in place.

@@ -6,9 +6,9 @@
 
 namespace slam::robot {
 
-const core::ParameterTable<OdometryOptions>& OdometryOptions::table() {
+const files::ParameterTable<OdometryOptions>& OdometryOptions::table() {
   using O = OdometryOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "odometry",
       {{"alpha1", &O::alpha1, 0.005, 0.0, 10.0, "rotation variance per squared rotation"},
        {"alpha2", &O::alpha2, 0.005, 0.0, 10.0, "rotation variance per squared metre"},

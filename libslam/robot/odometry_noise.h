@@ -1,7 +1,7 @@
 #pragma once
-#include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::robot {
 
@@ -21,7 +21,7 @@ struct OdometryOptions {
   double gyro_bias_radps;                                    ///< at the start
   double gyro_bias_walk_radps, gyro_noise_radps;             ///< standard deviation after one second
   OdometryOptions();
-  static const core::ParameterTable<OdometryOptions>& table();
+  static const files::ParameterTable<OdometryOptions>& table();
 };
 
 /// What the wheels report for a true increment T_before_after: decomposed into turn, drive, turn, each with

@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/ini.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::robot {
 namespace {
@@ -16,7 +16,7 @@ constexpr double kFarthest_m = 1000, kFarthest_deg = 360;
 }  // namespace
 
 std::optional<UserCommand> parseUserCommand(const std::string& line, const std::string& where) {
-  const std::string text = core::trimmed(line.substr(0, line.find('#')));
+  const std::string text = files::trimmed(line.substr(0, line.find('#')));
   if (text.empty()) return std::nullopt;
   std::istringstream words(text);
   std::string kind, amount, more;
@@ -24,8 +24,8 @@ std::optional<UserCommand> parseUserCommand(const std::string& line, const std::
   double number = 0;
   const bool is_turn = kind == "turn";
   const double farthest = is_turn ? kFarthest_deg : kFarthest_m;
-  const bool is_good = (is_turn || kind == "move") && core::parseNumber(amount, number) && !(words >> more) &&
-                       number != 0 && std::abs(number) <= farthest;
+  const bool is_good = (is_turn || kind == "move") && files::parseNumber(amount, number) &&
+                       !(words >> more) && number != 0 && std::abs(number) <= farthest;
   if (!is_good)
     throw core::InputError(where + ": found '" + text +
                            "', expected 'move METRES' (up to 1000) or 'turn DEGREES' (up to 360), and not 0");
@@ -50,9 +50,9 @@ std::vector<UserCommand> parseUserCommands(const std::string& text, const std::s
 }
 
 std::string formatUserCommand(const UserCommand& command) {
-  if (command.kind == UserCommand::kMove) return "move " + core::formatNumber(command.amount);
+  if (command.kind == UserCommand::kMove) return "move " + files::formatNumber(command.amount);
   // A degree is no whole number of radians: what was typed comes back when rounded to what can be typed.
-  return "turn " + core::formatNumber(std::round(core::radToDeg(command.amount) * 1e9) / 1e9);
+  return "turn " + files::formatNumber(std::round(core::radToDeg(command.amount) * 1e9) / 1e9);
 }
 
 Command toCommand(const UserCommand& command, const RobotOptions& robot) {

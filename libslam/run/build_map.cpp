@@ -11,20 +11,21 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/map_score.h"
 #include "libslam/process/cpu_time.h"
 #include "libslam/process/process_memory.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/results/manifest_entries.h"
+#include "libslam/results/map_plan.h"
+#include "libslam/results/scene_file.h"
+#include "libslam/results/self_score.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/log_feed.h"
-#include "libslam/run/manifest_entries.h"
-#include "libslam/run/map_plan.h"
-#include "libslam/run/scene_file.h"
-#include "libslam/run/self_score.h"
 #include "libslam/run/told_commands.h"
 
 namespace slam::run {
@@ -49,8 +50,8 @@ class MemoryMeter {
   double before_mb_, files_before_mb_;
 };
 
-Cost summarize(std::vector<double> milliseconds, double finish_s, double log_seconds) {
-  Cost cost;
+results::Cost summarize(std::vector<double> milliseconds, double finish_s, double log_seconds) {
+  results::Cost cost;
   if (milliseconds.empty()) return cost;
   double total_ms = 1000 * finish_s;
   for (const double ms : milliseconds) total_ms += ms;
@@ -66,13 +67,13 @@ std::string timingText(const std::vector<double>& milliseconds, const std::vecto
   std::ostringstream timing;
   timing << "scan,time_s,cpu_ms\n";
   for (size_t i = 0; i < milliseconds.size(); ++i)
-    timing << i << ',' << core::formatNumber(stamps_s[i] - stamps_s.front()) << ','
-           << core::formatNumber(milliseconds[i]) << '\n';
+    timing << i << ',' << files::formatNumber(stamps_s[i] - stamps_s.front()) << ','
+           << files::formatNumber(milliseconds[i]) << '\n';
   return timing.str();
 }
 
 /// Another program's path: what our own drawing of its map then follows.
-ExternalRun runExternal(const core::IniFile& config, const std::string& name, const std::string& log_path,
+ExternalRun runExternal(const files::IniFile& config, const std::string& name, const std::string& log_path,
                         std::uint64_t seed, const std::string& work_folder, core::Progress& progress) {
   auto run = runExternalMethod(readExternalMethod(config), log_path, seed, work_folder, progress);
   if (run.violations.empty()) return run;
@@ -91,47 +92,47 @@ std::vector<Stamped> inStampOrder(std::vector<Stamped> stamped) {
 }
 
 /// covariances[i] is of the pose at stamps_s[i].
-std::vector<StampedCovariance> stamped(const std::vector<Eigen::Matrix3d>& covariances,
-                                       const std::vector<double>& stamps_s) {
-  std::vector<StampedCovariance> result;
+std::vector<results::StampedCovariance> stamped(const std::vector<Eigen::Matrix3d>& covariances,
+                                                const std::vector<double>& stamps_s) {
+  std::vector<results::StampedCovariance> result;
   for (size_t i = 0; i < covariances.size(); ++i) result.push_back({stamps_s[i], covariances[i]});
   return result;
 }
 
 /// A method that leaves every covariance at zero gives none.
-bool areGiven(const std::vector<StampedCovariance>& covariances) {
+bool areGiven(const std::vector<results::StampedCovariance>& covariances) {
   return std::any_of(covariances.begin(), covariances.end(),
-                     [](const StampedCovariance& stamped) { return !stamped.covariance.isZero(0); });
+                     [](const results::StampedCovariance& stamped) { return !stamped.covariance.isZero(0); });
 }
 
 /// What is kept of the scans while they come, in the order of the log.
 struct Taken {
   std::vector<double> milliseconds, stamps_s;
-  robot::Scan last_scan;
+  lidar::Scan last_scan;
   double time_s = 0;  ///< of the scan at work, since the first
 };
 
 /// Does a part of the work that a method may fail in, or an interrupt end: run.stopped says so then. The
 /// first reason stays. What comes before the first scan is taken in leaves nothing to keep.
 void stoppable(MapRun& run, const Taken& taken, bool keep_partial, const std::function<void()>& work) {
-  const auto stop = [&](Stop::Reason reason, const std::string& why) {
+  const auto stop = [&](results::Stop::Reason reason, const std::string& why) {
     if (!run.stopped) run.stopped = {reason, static_cast<int>(run.estimate.size()), taken.time_s, why};
   };
   try {
     work();
   } catch (const core::MethodError& error) {
     if (run.estimate.empty()) throw;
-    stop(Stop::Reason::kFailed, error.what());
+    stop(results::Stop::Reason::kFailed, error.what());
   } catch (const core::Interrupted&) {
     if (!keep_partial || run.estimate.empty()) throw;
-    stop(Stop::Reason::kInterrupted, "");
+    stop(results::Stop::Reason::kInterrupted, "");
   }
 }
 
 /// All scans of the log through the method.
 void takeIn(const std::string& log_path, mapping::MapBuilder& method,
-            const std::optional<ExternalRun>& external, MapRun& run, Taken& taken, core::Manifest& manifest,
-            core::Progress& progress, record::StepObserver* observer) {
+            const std::optional<ExternalRun>& external, MapRun& run, Taken& taken,
+            resources::Manifest& manifest, core::Progress& progress, record::StepObserver* observer) {
   // An external program reads the log by itself; its poses are those of the main lidar's scans.
   logs::LogReader log(log_path, external ? "" : method.lidars);
   OdometryGaps gaps;
@@ -139,7 +140,7 @@ void takeIn(const std::string& log_path, mapping::MapBuilder& method,
     const double stamp_s = entry->scan.time_s;
     const double time_s = run.estimate.empty() ? 0 : stamp_s - taken.stamps_s.front();
     taken.time_s = time_s;
-    if (run.estimate.empty()) describeLidar(entry->scan, manifest.results);
+    if (run.estimate.empty()) results::describeLidar(entry->scan, manifest.results);
     core::Pose2 T_previous_robot = entry->T_previous_robot;
     if (external) T_previous_robot = external->increment(run.estimate.size());
     core::Pose2 T_map_robot;
@@ -147,7 +148,7 @@ void takeIn(const std::string& log_path, mapping::MapBuilder& method,
     double after_s = 0;
     const double before_s = process::threadCpuSeconds();
     tellSensors(method, *entry);
-    insideMethod([&] {
+    results::insideMethod([&] {
       T_map_robot =
           mapping::processScan(method, entry->scan, T_previous_robot, entry->has_odometry || external);
       after_s = process::threadCpuSeconds();
@@ -171,18 +172,18 @@ void takeIn(const std::string& log_path, mapping::MapBuilder& method,
 void writePaths(const MapRun& run, const std::string& folder) {
   logs::writeTum(run.estimate, folder + "/trajectory.tum");
   if (run.final_estimate) logs::writeTum(*run.final_estimate, folder + "/trajectory_final.tum");
-  if (!run.covariances.empty()) writeCovariances(run.covariances, folder + "/covariances.csv");
+  if (!run.covariances.empty()) results::writeCovariances(run.covariances, folder + "/covariances.csv");
   if (!run.final_covariances.empty())
-    writeCovariances(run.final_covariances, folder + "/covariances_final.csv");
+    results::writeCovariances(run.final_covariances, folder + "/covariances_final.csv");
   // Methods that correct their path keep a journal, be there nothing to tell.
   if (run.final_estimate || !run.journal.empty())
-    core::writeFileAtomically(folder + "/journal.csv", journalCsv(run.journal));
+    files::writeFileAtomically(folder + "/journal.csv", results::journalCsv(run.journal));
 }
 
 /// Another program's path, and what then draws its map; nothing for a method of ours.
 std::optional<ExternalRun> externalRun(const std::string& name, const std::string& log_path,
                                        std::uint64_t seed, const std::string& work_folder,
-                                       const Continuation& continuation, core::IniFile& config,
+                                       const Continuation& continuation, files::IniFile& config,
                                        core::Progress& progress) {
   if (!isExternal(config)) return std::nullopt;
   if (!continuation.folder.empty())
@@ -198,7 +199,7 @@ struct Ending {
   std::optional<core::Trajectory> final_path;
   core::Trajectory path;  ///< the final one, else the one given online
   std::optional<gridmap::OccupancyRaster> map;
-  std::optional<SelfScore> self;
+  std::optional<results::SelfScore> self;
   std::vector<Eigen::Matrix3d> covariances;  ///< of the final path
 };
 
@@ -222,7 +223,8 @@ class Finisher {
     ask([&] { ending_.map = mapping::currentMap(method_); });
     if (!run_.stopped)
       stoppable(run_, taken_, keep_partial_, [&] {
-        ending_.self = selfScore(log_path, ending_.path, toPlan(*ending_.map), progress, lidars);
+        ending_.self =
+            results::selfScore(log_path, ending_.path, results::toPlan(*ending_.map), progress, lidars);
       });
     if (!run_.stopped) ask([&] { ending_.covariances = mapping::finalCovariances(method_); });
     return std::move(ending_);
@@ -230,7 +232,7 @@ class Finisher {
 
  private:
   void ask(const std::function<void()>& work) {
-    stoppable(run_, taken_, keep_partial_, [&] { insideMethod(work); });
+    stoppable(run_, taken_, keep_partial_, [&] { results::insideMethod(work); });
   }
 
   mapping::MapBuilder& method_;
@@ -243,11 +245,11 @@ class Finisher {
 /// Everything of the run in its final form: in the order of stamps, with its journal and its cost.
 void complete(const mapping::MapBuilder& method, const Ending& ending, const Taken& taken,
               const std::optional<ExternalRun>& external, double peak_memory_mb, MapRun& run) {
-  run.journal = placedJournal(mapping::journalOf(method), taken.stamps_s, ending.path);
-  if (run.stopped) run.journal.push_back(stopLine(*run.stopped, ending.path.back().pose));
+  run.journal = results::placedJournal(mapping::journalOf(method), taken.stamps_s, ending.path);
+  if (run.stopped) run.journal.push_back(results::stopLine(*run.stopped, ending.path.back().pose));
   run.estimate = inStampOrder(std::move(run.estimate));
-  run.covariances =
-      areGiven(run.covariances) ? inStampOrder(std::move(run.covariances)) : std::vector<StampedCovariance>();
+  run.covariances = areGiven(run.covariances) ? inStampOrder(std::move(run.covariances))
+                                              : std::vector<results::StampedCovariance>();
   if (ending.final_path) run.final_estimate = inStampOrder(*ending.final_path);
   run.final_covariances = inStampOrder(stamped(ending.covariances, taken.stamps_s));
   const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
@@ -257,7 +259,8 @@ void complete(const mapping::MapBuilder& method, const Ending& ending, const Tak
     run.cost = external->cost;
     run.filled_poses = external->filled_poses;
   }
-  if (run.final_estimate || !run.journal.empty()) run.lost_share = lostShare(run.journal, log_seconds);
+  if (run.final_estimate || !run.journal.empty())
+    run.lost_share = results::lostShare(run.journal, log_seconds);
 }
 
 void writeFiles(mapping::MapBuilder& method, const MapRun& run, const Ending& ending, const Taken& taken,
@@ -266,29 +269,29 @@ void writeFiles(mapping::MapBuilder& method, const MapRun& run, const Ending& en
   writePaths(run, folder);
   if (ending.map) {
     mapping::saveMaps(method, folder);
-    writeScene(method, ending.path, taken.last_scan, folder + "/map.3Dscene");
+    results::writeScene(method, ending.path, taken.last_scan, folder + "/map.3Dscene");
     if (continuation.localise_only) keepMap(continuation.folder, folder);
   } else {
     mapping::saveKeyFrames(method, folder);
   }
   if (external)
-    core::writeFileAtomically(folder + "/printed.txt", external->printed);
+    files::writeFileAtomically(folder + "/printed.txt", external->printed);
   else
-    core::writeFileAtomically(folder + "/timing.csv", timingText(taken.milliseconds, taken.stamps_s));
+    files::writeFileAtomically(folder + "/timing.csv", timingText(taken.milliseconds, taken.stamps_s));
 }
 
-void describeInputs(const std::string& log_path, const core::IniFile& method_config,
-                    core::Manifest& manifest) {
+void describeInputs(const std::string& log_path, const files::IniFile& method_config,
+                    resources::Manifest& manifest) {
   if (isExternal(method_config))
     for (const auto& [path, hash] : programFiles(method_config)) manifest.inputs[path] = hash;
-  manifest.inputs[log_path] = core::fileSha256(log_path);
+  manifest.inputs[log_path] = resources::fileSha256(log_path);
   manifest.results["log"] = log_path;
   for (const auto& line : methodParameters(method_config))
     manifest.config[line.section + "." + line.info.key] = line.value;
 }
 
 void describeResults(const mapping::MapBuilder& method, const Ending& ending, bool is_external, MapRun& run,
-                     core::Manifest& manifest) {
+                     resources::Manifest& manifest) {
   auto& results = manifest.results;
   results["scans"] = std::to_string(run.estimate.size());
   results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
@@ -296,17 +299,17 @@ void describeResults(const mapping::MapBuilder& method, const Ending& ending, bo
   run.skew_note = skewNote(results["method"], results);
   if (!run.commands_from.empty()) results["commands_from"] = run.commands_from;
   // Of the log's order, which the files' order of stamps may lose.
-  results["path_length_m"] = core::formatNumber(run.path_length_m);
-  describePose("end", run.end, results);
-  describePose("end_final", ending.path.back().pose, results);
-  if (run.stopped) describeStop(*run.stopped, results);
-  if (const auto lost = lostInTheEnd(run.journal)) results["lost"] = lostText(*lost);
-  if (run.lost_share) results["lost_share"] = core::formatNumber(*run.lost_share);
+  results["path_length_m"] = files::formatNumber(run.path_length_m);
+  results::describePose("end", run.end, results);
+  results::describePose("end_final", ending.path.back().pose, results);
+  if (run.stopped) results::describeStop(*run.stopped, results);
+  if (const auto lost = results::lostInTheEnd(run.journal)) results["lost"] = results::lostText(*lost);
+  if (run.lost_share) results["lost_share"] = files::formatNumber(*run.lost_share);
   if (is_external) results["filled_poses"] = std::to_string(run.filled_poses);
   if (ending.map)
-    results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(ending.map->occupancy));
-  if (ending.self) describeSelfScore(*ending.self, results);
-  results["peak_memory_mb"] = core::formatNumber(run.cost.peak_memory_mb);
+    results["map_mean_entropy_bits"] = files::formatNumber(metrics::mapEntropy(ending.map->occupancy));
+  if (ending.self) results::describeSelfScore(*ending.self, results);
+  results["peak_memory_mb"] = files::formatNumber(run.cost.peak_memory_mb);
   manifest.times_s["finish_s"] = ending.finish_s;
   manifest.times_s["mean_ms_per_scan"] = run.cost.mean_ms_per_scan;
   if (!is_external) manifest.times_s["p99_ms_per_scan"] = run.cost.p99_ms_per_scan;
@@ -315,12 +318,12 @@ void describeResults(const mapping::MapBuilder& method, const Ending& ending, bo
 
 }  // namespace
 
-MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
+MapRun buildMap(const std::string& log_path, const files::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
-                core::Manifest manifest, core::Progress& progress, bool measure_memory,
+                resources::Manifest manifest, core::Progress& progress, bool measure_memory,
                 const Continuation& continuation, record::StepObserver* observer, bool keep_partial) {
-  core::PendingFolder output(folder, overwrite);
-  core::IniFile builder_config = method_config;
+  files::PendingFolder output(folder, overwrite);
+  files::IniFile builder_config = method_config;
   const auto external = externalRun(method_name, log_path, seed, output.path() + "/work", continuation,
                                     builder_config, progress);
   const MemoryMeter memory;
@@ -351,9 +354,9 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   manifest.results["method"] = method_name;
   describeInputs(log_path, method_config, manifest);
   describeResults(method, ending, external.has_value(), run, manifest);
-  for (const auto& [file, note] : fileNotes())
+  for (const auto& [file, note] : results::fileNotes())
     if (std::filesystem::exists(output.path() + "/" + file)) manifest.files[file] = note;
-  core::writeManifest(manifest, output.path() + "/manifest.json");
+  resources::writeManifest(manifest, output.path() + "/manifest.json");
   output.commit();
   return run;
 }

@@ -4,16 +4,16 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
 #include "libslam/record/step_observer.h"
-#include "libslam/run/cost.h"
+#include "libslam/resources/manifest.h"
+#include "libslam/results/cost.h"
+#include "libslam/results/journal_file.h"
+#include "libslam/results/pose_covariances.h"
+#include "libslam/results/stopped_run.h"
 #include "libslam/run/earlier_map.h"
-#include "libslam/run/journal_file.h"
-#include "libslam/run/pose_covariances.h"
-#include "libslam/run/stopped_run.h"
 
 namespace slam::run {
 
@@ -22,12 +22,12 @@ struct MapRun {
       estimate;  ///< T_map_robot at every scan, as the method gave it online, in the order of stamps
   std::optional<core::Trajectory>
       final_estimate;  ///< the same in the end, where the method corrects its past
-  std::vector<StampedCovariance>
+  std::vector<results::StampedCovariance>
       covariances;  ///< of `estimate`, pose by pose; empty where the method gives none
-  std::vector<StampedCovariance> final_covariances;  ///< the same of `final_estimate`
+  std::vector<results::StampedCovariance> final_covariances;  ///< the same of `final_estimate`
   double path_length_m = 0;  ///< of the poses given online; this and the next in the order of the log
   core::Pose2 end;           ///< T_map_robot at the last scan
-  Cost cost;
+  results::Cost cost;
   int steps_without_odometry = 0;  ///< scans after the first for which the log gives no increment
   std::string commands_from;       ///< tellCommands()
   std::vector<std::string> lidars,
@@ -36,7 +36,7 @@ struct MapRun {
   int filled_poses = 0;                    ///< scans that an external program gave no pose
   std::vector<core::JournalLine> journal;  ///< empty for methods that keep none
   std::optional<double> lost_share;  ///< of the time, by the journal (lostShare()); none without a journal
-  std::optional<Stop> stopped;       ///< before the log's end; all else is of the scans before
+  std::optional<results::Stop> stopped;  ///< before the log's end; all else is of the scans before
 };
 
 /// Runs a SLAM method over a log and writes a folder:
@@ -61,9 +61,9 @@ struct MapRun {
 /// journal ends with `failed`, the manifest's results say `status` = incomplete and `failed` = where and why.
 /// keep_partial: an interrupt likewise (`interrupted`), unless no scan was taken in; without it an interrupt
 /// leaves nothing (core::Interrupted).
-MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
+MapRun buildMap(const std::string& log_path, const files::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
-                core::Manifest manifest, core::Progress& progress, bool measure_memory = true,
+                resources::Manifest manifest, core::Progress& progress, bool measure_memory = true,
                 const Continuation& continuation = {}, record::StepObserver* observer = nullptr,
                 bool keep_partial = false);
 

@@ -3,11 +3,12 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/results/manifest_entries.h"
 #include "libslam/run/known_map.h"
-#include "libslam/run/manifest_entries.h"
 #include "libslam/world/plan.h"
 
 namespace slam::run {
@@ -41,11 +42,11 @@ std::string keyFramesOf(const Continuation& continuation, const std::string& log
 
 core::Pose2 endOfRun(const std::string& folder) {
   const std::string path = folder + "/manifest.json";
-  const auto manifest = core::readManifest(path);
+  const auto manifest = resources::readManifest(path);
   const auto number = [&](const std::string& key) {
     double value = 0;
     const auto it = manifest.results.find("end_final." + key);
-    if (it == manifest.results.end() || !core::parseNumber(it->second, value))
+    if (it == manifest.results.end() || !files::parseNumber(it->second, value))
       throw core::InputError(path + ": key 'results.end_final." + key +
                              "' is missing, expected the folder of a 'rasterslam run'");
     return value;
@@ -54,7 +55,7 @@ core::Pose2 endOfRun(const std::string& folder) {
 }
 
 void beginInMap(mapping::MapBuilder& method, const Continuation& continuation, const std::string& log_path,
-                const std::string& output, core::Manifest& manifest) {
+                const std::string& output, resources::Manifest& manifest) {
   const std::string key_frames = keyFramesOf(continuation, log_path, output);
   const std::string& map = isGridMap(continuation.folder) ? continuation.folder : key_frames;
   std::optional<core::Pose2> T_map_robot = continuation.T_map_robot;
@@ -62,14 +63,14 @@ void beginInMap(mapping::MapBuilder& method, const Continuation& continuation, c
   const bool is_run = map == continuation.folder + "/map.simplemap";
   if (!T_map_robot && !anywhere && is_run) T_map_robot = endOfRun(continuation.folder);
   mapping::continueMap(method, key_frames, T_map_robot, continuation.localise_only);
-  manifest.inputs[map] = core::fileSha256(map);
+  manifest.inputs[map] = resources::fileSha256(map);
   manifest.results[continuation.localise_only ? "localised_in" : "continues"] = continuation.folder;
-  if (T_map_robot) describePose("start", *T_map_robot, manifest.results);
+  if (T_map_robot) results::describePose("start", *T_map_robot, manifest.results);
 }
 
 void keepMap(const std::string& map, const std::string& to) {
   const auto copy = [&](const std::string& file, const std::string& name) {
-    if (std::filesystem::exists(file)) core::writeFileAtomically(to + "/" + name, core::readTextFile(file));
+    if (std::filesystem::exists(file)) files::writeFileAtomically(to + "/" + name, files::readTextFile(file));
   };
   const std::filesystem::path path(map);
   if (isGridMap(map)) {

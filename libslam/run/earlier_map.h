@@ -2,9 +2,9 @@
 #include <optional>
 #include <string>
 
-#include "libslam/core/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::run {
 
@@ -23,7 +23,7 @@ core::Pose2 endOfRun(const std::string& folder);
 /// Puts the earlier run's map into a new method, and says so in the manifest; a grid map's views go into the
 /// folder `output`. REQUIRES a continuation with a folder. Errors: InputError.
 void beginInMap(mapping::MapBuilder& method, const Continuation& continuation, const std::string& log_path,
-                const std::string& output, core::Manifest& manifest);
+                const std::string& output, resources::Manifest& manifest);
 
 /// The map of before, byte for byte where it has these files: localising has not changed it.
 void keepMap(const std::string& map, const std::string& to);

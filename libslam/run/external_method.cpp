@@ -8,14 +8,14 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/manifest.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/convert.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/process/command_files.h"
 #include "libslam/process/measured_process.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/run/external_path.h"
 
 namespace slam::run {
@@ -27,12 +27,12 @@ constexpr std::uintmax_t kLeastPathBytes = 1 << 20, kPoseBytes = 1000;
 const char* const kPlaceholders[] = {"log", "output", "scans", "workdir", "seed", "here"};
 
 /// "configs/plugins/mine.ini:4" -> "/home/me/configs/plugins".
-std::string folderOf(const core::IniFile::Entry& entry) {
+std::string folderOf(const files::IniFile::Entry& entry) {
   const std::string file = entry.origin.substr(0, entry.origin.rfind(':'));
   return fs::absolute(file).parent_path().string();
 }
 
-std::string keyText(const core::IniFile::Entry& entry, const std::string& key) {
+std::string keyText(const files::IniFile::Entry& entry, const std::string& key) {
   return entry.origin + ": section [method], key '" + key + "': ";
 }
 
@@ -50,7 +50,7 @@ std::string replaced(const std::string& command, ValueOf value_of) {
   return line;
 }
 
-void requireUsableCommand(const core::IniFile::Entry& entry) {
+void requireUsableCommand(const files::IniFile::Entry& entry) {
   bool writes = false;
   replaced(entry.value, [&](const std::string& name) -> std::optional<std::string> {
     const bool is_word = name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string::npos;
@@ -74,7 +74,7 @@ struct Files {
 
 std::string commandLine(const ExternalMethod& method, const Files& files, std::uint64_t seed) {
   return replaced(method.options.command, [&](const std::string& name) -> std::optional<std::string> {
-    const auto quoted = [](const std::string& word) { return core::shellQuoted({word}); };
+    const auto quoted = [](const std::string& word) { return resources::shellQuoted({word}); };
     if (name == "log") return quoted(files.log);
     if (name == "output") return quoted(files.output);
     if (name == "scans") return quoted(files.scans);
@@ -116,7 +116,7 @@ void writeLog(const ExternalMethod& method, const std::string& log_path, const s
     conversion.to = logs::LogFormat::kCarmen;
   else
     conversion.form =
-        wanted == "action" ? logs::RawlogForm::kActionFrame : logs::RawlogForm::kObservationOnly;
+        wanted == "action" ? rawlogs::RawlogForm::kActionFrame : rawlogs::RawlogForm::kObservationOnly;
   const auto report = logs::convertLog(log_path, files.log, conversion, progress);
   for (const auto& file : report.files)
     if (!fs::equivalent(file, files.log)) fs::remove(file);
@@ -127,7 +127,7 @@ std::string lastWords(const std::string& printed) {
   std::istringstream lines(printed);
   std::string last;
   for (std::string line; std::getline(lines, line);)
-    if (line.find_first_not_of(" \t\r=-") != std::string::npos) last = core::trimmed(line);
+    if (line.find_first_not_of(" \t\r=-") != std::string::npos) last = files::trimmed(line);
   return last.empty() ? "it printed nothing" : "it last printed: " + last.substr(0, 200);
 }
 
@@ -158,9 +158,9 @@ ExternalOptions::ExternalOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<ExternalOptions>& ExternalOptions::table() {
+const files::ParameterTable<ExternalOptions>& ExternalOptions::table() {
   using O = ExternalOptions;
-  static const core::ParameterTable<O> kTable(
+  static const files::ParameterTable<O> kTable(
       "method",
       {{"type", &O::type, "external", {"external"}, "another program: see 'rasterslam plugin --help'"},
        {"command",
@@ -179,15 +179,15 @@ const core::ParameterTable<ExternalOptions>& ExternalOptions::table() {
   return kTable;
 }
 
-bool isExternal(const core::IniFile& config) {
+bool isExternal(const files::IniFile& config) {
   const auto* type = config.find("method", "type");
   return type != nullptr && type->value == "external";
 }
 
-ExternalMethod readExternalMethod(const core::IniFile& config) {
+ExternalMethod readExternalMethod(const files::IniFile& config) {
   ExternalMethod method;
-  core::rejectUnknownSections(config, {"method", "mapping"});
-  core::readParameters(config, ExternalOptions::table(), method.options, &method.parameters);
+  files::rejectUnknownSections(config, {"method", "mapping"});
+  files::readParameters(config, ExternalOptions::table(), method.options, &method.parameters);
   const auto* command = config.find("method", "command");
   if (command == nullptr || command->value.empty())
     throw core::InputError(
@@ -206,24 +206,24 @@ ExternalMethod readExternalMethod(const core::IniFile& config) {
   return method;
 }
 
-core::IniFile withFixedFolder(core::IniFile config) {
+files::IniFile withFixedFolder(files::IniFile config) {
   const auto* command = config.find("method", "command");
   if (command == nullptr) return config;
-  const core::IniFile::Entry entry = *command;
+  const files::IniFile::Entry entry = *command;
   const std::string line = replaced(entry.value, [&](const std::string& name) -> std::optional<std::string> {
-    return name == "here" ? std::optional(core::shellQuoted({folderOf(entry)})) : std::nullopt;
+    return name == "here" ? std::optional(resources::shellQuoted({folderOf(entry)})) : std::nullopt;
   });
   config.set("method", "command", line, entry.origin);
   return config;
 }
 
-std::map<std::string, std::string> programFiles(const core::IniFile& config) {
+std::map<std::string, std::string> programFiles(const files::IniFile& config) {
   const auto fixed = withFixedFolder(config);
   const auto* command = fixed.find("method", "command");
   return command == nullptr ? std::map<std::string, std::string>() : process::filesOfCommand(command->value);
 }
 
-std::vector<core::ParameterReport> methodParameters(const core::IniFile& config) {
+std::vector<files::ParameterReport> methodParameters(const files::IniFile& config) {
   if (isExternal(config)) return readExternalMethod(config).parameters;
   return mapping::readMethodConfig(config).report;
 }
@@ -238,7 +238,7 @@ ExternalRun runExternalMethod(const ExternalMethod& method, const std::string& l
   std::string label;
   const auto scans = readScans(log_path, label);
   writeLog(method, log_path, label, files, progress);
-  core::writeFileAtomically(files.scans, scansText(scans));
+  files::writeFileAtomically(files.scans, scansText(scans));
 
   progress.begin("running " + method.options.command.substr(0, method.options.command.find(' ')));
   const auto outcome =
@@ -275,7 +275,7 @@ ExternalRun runExternalMethod(const ExternalMethod& method, const std::string& l
                              " scans");
     return run;
   }
-  auto checked = checkPath(core::readTextFile(files.output), "{output}", scans);
+  auto checked = checkPath(files::readTextFile(files.output), "{output}", scans);
   run.violations.insert(run.violations.end(), checked.violations.begin(), checked.violations.end());
   if (run.violations.empty()) run.path = std::move(checked.path);
   run.filled_poses = checked.filled_poses;

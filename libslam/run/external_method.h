@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
-#include "libslam/run/cost.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
+#include "libslam/results/cost.h"
 
 namespace slam::run {
 
@@ -38,42 +38,42 @@ namespace slam::run {
 struct ExternalOptions {
   std::string type;     ///< external
   std::string command;  ///< with the placeholders
-  std::string log;      ///< action | observation: MRPT rawlog of that form (logs/rawlog_form.h); carmen
+  std::string log;      ///< action | observation: MRPT rawlog of that form (rawlogs/rawlog_form.h); carmen
   double time_limit_s, memory_limit_mb;
   ExternalOptions();
-  static const core::ParameterTable<ExternalOptions>& table();
+  static const files::ParameterTable<ExternalOptions>& table();
 };
 
 struct ExternalMethod {
   ExternalOptions options;
-  std::string folder;     ///< {here}
-  core::IniFile drawing;  ///< what draws the map: a configuration for mapping::makeMapBuilder()
-  std::vector<core::ParameterReport> parameters;
+  std::string folder;      ///< {here}
+  files::IniFile drawing;  ///< what draws the map: a configuration for mapping::makeMapBuilder()
+  std::vector<files::ParameterReport> parameters;
 };
 
-bool isExternal(const core::IniFile& config);
+bool isExternal(const files::IniFile& config);
 /// Errors: InputError for a misspelt, impossible or missing key, an unknown placeholder. REQUIRES
 /// isExternal().
-ExternalMethod readExternalMethod(const core::IniFile& config);
+ExternalMethod readExternalMethod(const files::IniFile& config);
 
 /// The same configuration with the folder in place of {here} in its command, so that it means the same
 /// wherever it is kept. REQUIRES isExternal().
-core::IniFile withFixedFolder(core::IniFile config);
+files::IniFile withFixedFolder(files::IniFile config);
 
 /// The files that make up the program, as far as its command names them, {here} being replaced:
 /// filesOfCommand(). REQUIRES isExternal().
-std::map<std::string, std::string> programFiles(const core::IniFile& config);
+std::map<std::string, std::string> programFiles(const files::IniFile& config);
 
 /// All parameters of a method of either kind, checked: mapping::readMethodConfig()'s errors or
 /// readExternalMethod()'s.
-std::vector<core::ParameterReport> methodParameters(const core::IniFile& config);
+std::vector<files::ParameterReport> methodParameters(const files::IniFile& config);
 
 struct ExternalRun {
   std::vector<std::string> violations;  ///< of the contract, one line each
   core::Trajectory path;  ///< T_map_robot at every scan, in the log's order, from the first scan's pose;
                           ///< empty with violations
   int filled_poses = 0;   ///< scans that the program gave no pose
-  Cost cost;              ///< p99 unknown (NaN)
+  results::Cost cost;     ///< p99 unknown (NaN)
   std::string printed;    ///< what the program printed, standard output and error; of more than 512 KiB the
                           ///< beginning and the end
 

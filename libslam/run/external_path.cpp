@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "libslam/core/elementary.h"
-#include "libslam/core/ini.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::run {
 namespace {
@@ -67,7 +67,7 @@ class PathChecker {
       : name_(std::move(name)), order_(byStamp(scans)), taken_(scans.size()), poses_(scans.size()) {}
 
   void readLine(const std::string& text, int number) {
-    const std::string line = core::trimmed(text);
+    const std::string line = files::trimmed(text);
     if (line.empty() || line[0] == '#') return;
     line_ = number;
     double n[8];
@@ -79,7 +79,7 @@ class PathChecker {
       return violated("found '" + line.substr(0, 60) + "', expected x and y within 1000 km");
     const double length = std::sqrt(n[4] * n[4] + n[5] * n[5] + n[6] * n[6] + n[7] * n[7]);
     if (std::abs(length - 1) > kUnitTolerance)
-      return violated("found a quaternion of length " + core::formatNumber(length) + ", expected 1");
+      return violated("found a quaternion of length " + files::formatNumber(length) + ", expected 1");
     take(n[0],
          {n[1], n[2], core::atan2(2 * (n[7] * n[6] + n[4] * n[5]), 1 - 2 * (n[5] * n[5] + n[6] * n[6]))});
   }

@@ -6,10 +6,10 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/middle_value.h"
-#include "libslam/core/parameters.h"
-#include "libslam/run/map_plan.h"
+#include "libslam/files/parameters.h"
+#include "libslam/rays/sector_caster.h"
+#include "libslam/results/map_plan.h"
 #include "libslam/world/clearance.h"
-#include "libslam/world/sector_caster.h"
 
 namespace slam::run {
 namespace {
@@ -41,15 +41,15 @@ class Looker {
         caster_(withUnknownShut(map)),
         beams_(-core::kPi, 2 * core::kPi / kBeams, kBeams) {}
 
-  robot::Scan look(const core::Pose2& T_map_robot) const {
-    robot::Scan scan;
+  lidar::Scan look(const core::Pose2& T_map_robot) const {
+    lidar::Scan scan;
     scan.first_angle_rad = beams_.firstAngle(), scan.step_rad = beams_.step();
     scan.max_range_m = max_range_m_;
     scan.range_sigma_m = map_.resolution_m / 2;
     caster_.castScan(T_map_robot, beams_, max_range_m_, scan.ranges_m);
     for (size_t i = 0; i < scan.ranges_m.size(); ++i)
-      if (robot::isReturn(scan.ranges_m[i]) && !isWall(T_map_robot, scan.angle(i), scan.ranges_m[i]))
-        scan.ranges_m[i] = robot::kLostReading;
+      if (lidar::isReturn(scan.ranges_m[i]) && !isWall(T_map_robot, scan.angle(i), scan.ranges_m[i]))
+        scan.ranges_m[i] = lidar::kLostReading;
     return scan;
   }
 
@@ -64,14 +64,14 @@ class Looker {
 
   const world::Plan& map_;
   double max_range_m_;
-  world::SectorCaster caster_;
-  world::BeamTable beams_;
+  rays::SectorCaster caster_;
+  rays::BeamTable beams_;
 };
 
-double medianReturn(const robot::Scan& scan) {
+double medianReturn(const lidar::Scan& scan) {
   std::vector<float> returns_m;
   for (const float range_m : scan.ranges_m)
-    if (robot::isReturn(range_m)) returns_m.push_back(range_m);
+    if (lidar::isReturn(range_m)) returns_m.push_back(range_m);
   if (returns_m.size() < static_cast<size_t>(kLeastReturns)) return 0;
   return core::middleValue(std::move(returns_m));
 }
@@ -92,7 +92,7 @@ bool isGridMap(const std::string& path) {
 
 world::Plan loadGridMap(const std::string& path) {
   if (endsWith(path, ".yaml") || endsWith(path, ".yml")) return world::loadPlan(path);
-  const world::Plan map = toPlan(mapping::readGridMap(path));
+  const world::Plan map = results::toPlan(mapping::readGridMap(path));
   for (const auto& [cell, name] :
        {std::pair{world::Cell::kFree, "free cells"}, {world::Cell::kOccupied, "walls"}})
     if (std::find(map.cells.begin(), map.cells.end(), cell) == map.cells.end())
@@ -117,7 +117,7 @@ std::vector<mapping::KeyFrame> viewsOf(const world::Plan& map, double max_range_
         return false;
       };
       if (isCovered(kLeastSpacing_m)) continue;
-      robot::Scan scan = looker.look({p.x, p.y, 0});
+      lidar::Scan scan = looker.look({p.x, p.y, 0});
       const double median_m = medianReturn(scan);
       const double spacing = std::clamp(kSpacingShare * median_m, kLeastSpacing_m, kMostSpacing_m);
       if (median_m == 0 || isCovered(spacing)) continue;
@@ -127,7 +127,7 @@ std::vector<mapping::KeyFrame> viewsOf(const world::Plan& map, double max_range_
     }
   if (views.empty())
     throw core::InputError(name + ": found no free place from which walls are seen within " +
-                           core::formatNumber(max_range_m) + " m, expected at least 1");
+                           files::formatNumber(max_range_m) + " m, expected at least 1");
   return views;
 }
 

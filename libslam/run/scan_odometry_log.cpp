@@ -11,13 +11,13 @@
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/logs/log_motion.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/odometry/mrpt_action.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/rawlogs/log_motion.h"
 
 namespace slam::run {
 namespace {
@@ -50,7 +50,7 @@ class ScanOdometryLog {
         odometry_(odometry::makeScanOdometry(options.odometry)),
         source_(logs::openLog(path)) {
     report_.label = lidarOf(path, options.label);
-    if (options.form) source_ = logs::inForm(std::move(source_), *options.form, path);
+    if (options.form) source_ = rawlogs::inForm(std::move(source_), *options.form, path);
   }
 
   Object next() {
@@ -84,7 +84,7 @@ class ScanOdometryLog {
 
   void takeActions(const CActionCollection& actions) {
     has_frames_ = true;
-    if (const auto increment = logs::incrementOf(actions)) wheels_.add(*increment);
+    if (const auto increment = rawlogs::incrementOf(actions)) wheels_.add(*increment);
     for (const auto& action : actions) {
       noteTime(action->timestamp);
       if (isMovement(*action))
@@ -145,9 +145,9 @@ class ScanOdometryLog {
   }
 
   odometry::ScanMotion update(const CObservation2DRangeScan& observation) {
-    robot::Scan scan;
+    lidar::Scan scan;
     try {
-      scan = robot::fromMrpt(observation);
+      scan = lidar::fromMrpt(observation);
     } catch (const core::InputError& error) {
       throw core::InputError(path_ + ": " + source_->place() + ": " + error.what());
     }
@@ -210,8 +210,8 @@ class ScanOdometryLog {
   std::deque<Object> ready_;
   std::vector<mrpt::obs::CAction::Ptr> others_;  ///< no movements; they wait for their frame
   core::Pose2 T_odom_robot_;
-  logs::Motion wheels_;  ///< since the scan before
-  logs::BareOdometry readings_;
+  rawlogs::Motion wheels_;  ///< since the scan before
+  rawlogs::BareOdometry readings_;
   mrpt::Clock::time_point newest_;
   double newest_s_ = 0;
   std::optional<double> first_s_;

@@ -5,21 +5,21 @@
 #include <string>
 
 #include "libslam/core/progress.h"
-#include "libslam/logs/rawlog_form.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/rawlogs/rawlog_form.h"
 
 namespace slam::run {
 
 /// What the robot was commanded to do before this scan, where somebody knows it (argmax asks). `wheels`: the
 /// increment since the scan before by the log's own odometry, where it has one.
 using CommandBefore =
-    std::function<odometry::Commanded(const robot::Scan& scan, const std::optional<core::Pose2>& wheels)>;
+    std::function<odometry::Commanded(const lidar::Scan& scan, const std::optional<core::Pose2>& wheels)>;
 
 struct ScanOdometryLogOptions {
   odometry::ScanOdometryOptions odometry;
   std::string label;  ///< the lidar; "": the one with the most scans among the first 100 (LogReader's rule)
-  std::optional<logs::RawlogForm> form;  ///< turned into it first; none: as the log is
-  CommandBefore commanded;               ///< none: MotionKind::kUnknown
+  std::optional<rawlogs::RawlogForm> form;  ///< turned into it first; none: as the log is
+  CommandBefore commanded;                  ///< none: MotionKind::kUnknown
 };
 
 struct ScanOdometryLogReport {
@@ -47,7 +47,7 @@ struct ScanOdometryLogReport {
 /// A stamp that is missing is that of the newest object before. The first motion is null. Memory does not
 /// grow with the log. The same log, the same bytes.
 /// Errors (InputError): those of openLog() and inForm(); unknown method; no scan of the lidar, or one that
-/// robot::fromMrpt refuses (with its place); frames and bare scans of the lidar in one log without `form`; a
+/// lidar::fromMrpt refuses (with its place); frames and bare scans of the lidar in one log without `form`; a
 /// first scan without any stamp.
 ScanOdometryLogReport writeScanOdometry(const std::string& path, const std::string& output,
                                         const ScanOdometryLogOptions& options, core::Progress& progress);

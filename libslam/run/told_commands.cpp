@@ -3,17 +3,18 @@
 #include <filesystem>
 #include <utility>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/record/record.h"
 #include "libslam/sim/operation_log.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::run {
 
 std::optional<std::vector<robot::Commanded>> commandsOfLog(const std::string& log_path) {
-  const std::string path = record::logStem(log_path) + ".operations.txt";
+  const std::string path = truth::logStem(log_path) + ".operations.txt";
   if (!std::filesystem::exists(path)) return std::nullopt;
-  const auto operations = sim::parseOperations(core::readTextFile(path), path);
+  const auto operations = sim::parseOperations(files::readTextFile(path), path);
   return sim::commandsOfScans(operations, logs::inspectLog(log_path).scans, path);
 }
 

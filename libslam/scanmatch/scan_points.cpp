@@ -52,7 +52,7 @@ struct Returns {
   std::vector<int> beams;
 };
 
-Returns returnsOf(const robot::Scan& scan, double max_range_m) {
+Returns returnsOf(const lidar::Scan& scan, double max_range_m) {
   Returns returns;
   const int size = static_cast<int>(scan.ranges_m.size());
   returns.points.reserve(static_cast<size_t>(size)), returns.beams.reserve(static_cast<size_t>(size));
@@ -69,7 +69,7 @@ Returns returnsOf(const robot::Scan& scan, double max_range_m) {
     }
     const float range_m = scan.ranges_m[static_cast<size_t>(i)];
     const double r = range_m;
-    if (!robot::isReturn(range_m) || r > max_range_m) continue;
+    if (!lidar::isReturn(range_m) || r > max_range_m) continue;
     returns.points.push_back({scan.T_robot_lidar.x + r * c, scan.T_robot_lidar.y + r * s});
     returns.beams.push_back(i);
   }
@@ -166,7 +166,7 @@ PatchPoint operator*(const core::Pose2& T, const PatchPoint& p) {
           static_cast<float>(s * p.along_x + c * p.along_y)};
 }
 
-std::vector<PatchPoint> patchPoints(const robot::Scan& scan, const ScanPointOptions& options) {
+std::vector<PatchPoint> patchPoints(const lidar::Scan& scan, const ScanPointOptions& options) {
   const Returns returns = returnsOf(scan, options.max_range_m);
   const auto& points = returns.points;
   const core::Point2 eye{scan.T_robot_lidar.x, scan.T_robot_lidar.y};
@@ -185,7 +185,7 @@ std::vector<PatchPoint> patchPoints(const robot::Scan& scan, const ScanPointOpti
   return result;
 }
 
-std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPointOptions& options) {
+std::vector<SurfacePoint> surfacePoints(const lidar::Scan& scan, const ScanPointOptions& options) {
   const Returns returns = returnsOf(scan, options.max_range_m);
   const auto& points = returns.points;
   const auto& beams = returns.beams;

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::scanmatch {
 
@@ -20,7 +20,7 @@ struct ScanPointOptions {
 
 /// The returns of a scan, thinned to `spacing_m` along the beams: near surfaces, which a scan samples far
 /// more densely than the map can use, would outvote far ones.
-std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPointOptions& options);
+std::vector<SurfacePoint> surfacePoints(const lidar::Scan& scan, const ScanPointOptions& options);
 
 /// A return, robot frame (m), and the piece of surface that it stands for, from half way to the beam before
 /// to half way to the beam behind: its standard deviation along the surface. Far along a wall beams strike
@@ -35,6 +35,6 @@ core::Point2 position(const PatchPoint& point);
 PatchPoint operator*(const core::Pose2& T_a_b, const PatchPoint& point_b);
 
 /// The same points with their patches instead of normals.
-std::vector<PatchPoint> patchPoints(const robot::Scan& scan, const ScanPointOptions& options);
+std::vector<PatchPoint> patchPoints(const lidar::Scan& scan, const ScanPointOptions& options);
 
 }  // namespace slam::scanmatch

@@ -4,12 +4,12 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/convert.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/run/told_commands.h"
@@ -18,6 +18,7 @@
 #include "libslam/score/metric_infos.h"
 #include "libslam/score/relation_tables.h"
 #include "libslam/table/latex.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
@@ -34,7 +35,7 @@ std::map<std::string, table::Best> bestMetrics() {
 }
 
 /// An output folder is new, or ours to replace, or ours to go on with.
-core::OutputLock prepareOutput(const CompareRequest& request) {
+files::OutputLock prepareOutput(const CompareRequest& request) {
   const std::string manifest = request.output + "/manifest.json";
   std::error_code error;
   if (fs::exists(request.output) && !fs::is_directory(request.output))
@@ -47,7 +48,7 @@ core::OutputLock prepareOutput(const CompareRequest& request) {
     throw core::InputError(request.output + ": exists; give --overwrite to replace it or --resume to go on");
   fs::create_directories(fs::absolute(request.output).parent_path(), error);
   if (error) throw core::IoError(request.output + ": cannot be made: " + error.message());
-  core::OutputLock lock(request.output);
+  files::OutputLock lock(request.output);
   if (!empty && request.overwrite) fs::remove_all(request.output, error);
   fs::create_directories(request.output, error);
   if (error) throw core::IoError(request.output + ": cannot be made: " + error.message());
@@ -69,7 +70,7 @@ core::Relations loadRelations(const CompareRequest& request, const logs::LogInfo
   return relations;
 }
 
-void scoreByRelations(const std::vector<run::RunFolder>& runs, const core::Relations& relations,
+void scoreByRelations(const std::vector<results::RunFolder>& runs, const core::Relations& relations,
                       const std::string& output, Comparison& comparison) {
   std::vector<RelationScore> scores;
   for (const auto& run : runs)
@@ -78,16 +79,16 @@ void scoreByRelations(const std::vector<run::RunFolder>& runs, const core::Relat
   comparison.worst_relations = worstRelationsTable(relations, scores, Detail::kShort);
   const auto full = relationTable(scores, Detail::kFull);
   const auto worst = worstRelationsTable(relations, scores, Detail::kFull);
-  core::writeFileAtomically(output + "/relations.txt", table::toText(*comparison.relations) + "\n" +
-                                                           table::toText(*comparison.worst_relations));
-  core::writeFileAtomically(output + "/relations.csv", table::toCsv(full));
-  core::writeFileAtomically(output + "/relations.json", table::toJson(full));
-  core::writeFileAtomically(output + "/worst_relations.csv", table::toCsv(worst));
+  files::writeFileAtomically(output + "/relations.txt", table::toText(*comparison.relations) + "\n" +
+                                                            table::toText(*comparison.worst_relations));
+  files::writeFileAtomically(output + "/relations.csv", table::toCsv(full));
+  files::writeFileAtomically(output + "/relations.json", table::toJson(full));
+  files::writeFileAtomically(output + "/worst_relations.csv", table::toCsv(worst));
 }
 
 /// Under the tables: which methods took the kinds of the commands from the wheels, and which took skewed
 /// scans.
-void noteCommands(const std::vector<run::RunFolder>& runs, const std::vector<table::Table*>& tables) {
+void noteCommands(const std::vector<results::RunFolder>& runs, const std::vector<table::Table*>& tables) {
   for (const auto& run : runs) {
     const auto from = run.manifest.results.find("commands_from");
     const std::string note =
@@ -100,14 +101,14 @@ void noteCommands(const std::vector<run::RunFolder>& runs, const std::vector<tab
 
 /// The log that is compared on: simulated, or the given one. The manifest gets the inputs.
 std::string logOf(const CompareRequest& request, const std::optional<world::Plan>& plan,
-                  core::Manifest& manifest, core::Progress& progress) {
+                  resources::Manifest& manifest, core::Progress& progress) {
   if (!plan) {
-    manifest.inputs[request.log_path] = core::fileSha256(request.log_path);
+    manifest.inputs[request.log_path] = resources::fileSha256(request.log_path);
     return request.log_path;
   }
   const std::string log_path = request.output + "/log/run.rawlog";
   fs::create_directories(request.output + "/log");
-  manifest.inputs[request.plan_path] = core::fileSha256(request.plan_path);
+  manifest.inputs[request.plan_path] = resources::fileSha256(request.plan_path);
   record::record(*plan, request.record, request.seed, log_path, manifest, progress);
   return log_path;
 }
@@ -119,7 +120,7 @@ std::string truthPlanOf(const CompareRequest& request) {
   return request.record.living.visit > 1 ? "" : request.plan_path;
 }
 
-void runAll(std::vector<ComparedMethod>& methods, const CompareRequest& request, core::Manifest manifest,
+void runAll(std::vector<ComparedMethod>& methods, const CompareRequest& request, resources::Manifest manifest,
             Comparison& comparison, core::Progress& progress) {
   manifest.inputs.clear();
   manifest.results.clear();
@@ -131,21 +132,22 @@ void runAll(std::vector<ComparedMethod>& methods, const CompareRequest& request,
   runMethods(methods, comparison.log_path, request, manifest, progress);
 }
 
-std::vector<run::RunFolder> loadRuns(const std::vector<ComparedMethod>& methods, core::Progress& progress) {
-  std::vector<run::RunFolder> runs;
+std::vector<results::RunFolder> loadRuns(const std::vector<ComparedMethod>& methods,
+                                         core::Progress& progress) {
+  std::vector<results::RunFolder> runs;
   for (const auto& method : methods) {
     progress.update(-1, 0);
-    if (method.failure.empty()) runs.push_back(run::loadRun(method.folder));
+    if (method.failure.empty()) runs.push_back(results::loadRun(method.folder));
   }
   return runs;
 }
 
-void evaluateAll(const std::vector<ComparedMethod>& methods, const std::vector<run::RunFolder>& runs,
+void evaluateAll(const std::vector<ComparedMethod>& methods, const std::vector<results::RunFolder>& runs,
                  const std::optional<Truth>& truth, Comparison& comparison, core::Progress& progress) {
   for (const auto& method : methods) {
     progress.update(-1, 0);
     const auto run = std::find_if(runs.begin(), runs.end(),
-                                  [&](const run::RunFolder& r) { return r.path == method.folder; });
+                                  [&](const results::RunFolder& r) { return r.path == method.folder; });
     comparison.evaluations.push_back(run == runs.end() ? failedEvaluation(method.name, method.failure)
                                                        : evaluate(*run, truth));
     comparison.failed += comparison.evaluations.back().failure.empty() ? 0 : 1;
@@ -153,7 +155,7 @@ void evaluateAll(const std::vector<ComparedMethod>& methods, const std::vector<r
   setAgreement(runs, comparison.evaluations);
 }
 
-void makeTables(const std::vector<run::RunFolder>& runs, const std::optional<Truth>& truth,
+void makeTables(const std::vector<results::RunFolder>& runs, const std::optional<Truth>& truth,
                 Comparison& comparison) {
   const auto& evaluations = comparison.evaluations;
   comparison.accuracy = truth ? accuracyTable(evaluations, *truth, Detail::kShort)
@@ -173,7 +175,7 @@ void makeTables(const std::vector<run::RunFolder>& runs, const std::optional<Tru
 
 void writeTables(const Comparison& comparison, const std::string& output) {
   const auto write = [&](const char* name, const std::string& text) {
-    core::writeFileAtomically(output + "/" + name, text);
+    files::writeFileAtomically(output + "/" + name, text);
   };
   write("scores.txt", table::toText(comparison.accuracy));
   write("scores.md", table::toMarkdown(comparison.accuracy));
@@ -184,7 +186,7 @@ void writeTables(const Comparison& comparison, const std::string& output) {
   write("cost.json", table::toJson(comparison.cost));
 }
 
-void describeFiles(const Comparison& comparison, core::Manifest& manifest) {
+void describeFiles(const Comparison& comparison, resources::Manifest& manifest) {
   manifest.files["scores.txt"] = "accuracy of every method; also .md, .tex, .csv, .json";
   if (comparison.relations)
     manifest.files["relations.csv"] =
@@ -199,7 +201,7 @@ void describeFiles(const Comparison& comparison, core::Manifest& manifest) {
 
 }  // namespace
 
-Comparison compare(const CompareRequest& request, core::Manifest manifest, core::Progress& progress) {
+Comparison compare(const CompareRequest& request, resources::Manifest manifest, core::Progress& progress) {
   auto methods = loadMethods(request);
   std::optional<world::Plan> plan;
   if (!request.plan_path.empty()) plan = world::loadPlan(request.plan_path);
@@ -212,14 +214,14 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   const auto lock = prepareOutput(request);
   manifest.seed = request.seed;
   manifest.results["status"] = "incomplete";
-  core::writeManifest(manifest, request.output + "/manifest.json");
+  resources::writeManifest(manifest, request.output + "/manifest.json");
 
   Comparison comparison;
   comparison.log_path = logOf(request, plan, manifest, progress);
   runAll(methods, request, manifest, comparison, progress);
   const auto runs = loadRuns(methods, progress);
   const std::string plan_path = truthPlanOf(request);
-  const auto truth_files = record::truthFiles(comparison.log_path, request.truth_path, plan_path);
+  const auto truth_files = truth::truthFiles(comparison.log_path, request.truth_path, plan_path);
   std::optional<Truth> truth;
   if (!truth_files.trajectory.empty() && !runs.empty())
     truth = loadTruth(truth_files.trajectory, truth_files.plan, runs.front());
@@ -227,7 +229,7 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   evaluateAll(methods, runs, truth, comparison, progress);
   makeTables(runs, truth, comparison);
   if (!relations.empty() && !runs.empty()) {
-    manifest.inputs[request.relations_path] = core::fileSha256(request.relations_path);
+    manifest.inputs[request.relations_path] = resources::fileSha256(request.relations_path);
     scoreByRelations(runs, relations, request.output, comparison);
     if (!truth)
       for (auto* table : {&comparison.accuracy, &comparison.full_accuracy})
@@ -239,7 +241,7 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   describeFiles(comparison, manifest);
   if (truth && !request.truth_path.empty()) manifest.results["truth"] = request.truth_path;
   if (truth && !plan_path.empty()) manifest.results["plan"] = plan_path;
-  core::writeManifest(manifest, request.output + "/manifest.json");
+  resources::writeManifest(manifest, request.output + "/manifest.json");
   return comparison;
 }
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/table/table.h"
 
@@ -64,6 +64,6 @@ struct Comparison {
 ///   manifest.json                    how to make it again
 /// A method that fails gets a row that says so. An interrupt keeps the finished methods; `resume` reuses each
 /// method folder whose log, configuration, seed and version are still the same.
-Comparison compare(const CompareRequest& request, core::Manifest manifest, core::Progress& progress);
+Comparison compare(const CompareRequest& request, resources::Manifest manifest, core::Progress& progress);
 
 }  // namespace slam::score

@@ -7,7 +7,7 @@
 
 #include "libslam/logs/log_reader.h"
 #include "libslam/pictures/picture.h"
-#include "libslam/run/scene_file.h"
+#include "libslam/results/scene_file.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
@@ -40,7 +40,7 @@ void drawPaths(const std::vector<pictures::Panel>& maps, const world::Plan& grou
 
 }  // namespace
 
-void drawPictures(const std::vector<run::RunFolder>& runs, const std::vector<Evaluation>& evaluations,
+void drawPictures(const std::vector<results::RunFolder>& runs, const std::vector<Evaluation>& evaluations,
                   const std::optional<Truth>& truth, const std::string& log_path, const std::string& output,
                   core::Progress& progress) {
   std::vector<pictures::Panel> panels;
@@ -57,8 +57,8 @@ void drawPictures(const std::vector<run::RunFolder>& runs, const std::vector<Eva
     paths.push_back(panel.paths.back());
     panels.push_back(std::move(panel));
     if (truth && core::isFinite(T_world_map) && fs::exists(run.path + "/map.3Dscene"))
-      run::addTruthToScene(truth->trajectory, truth->plan ? &*truth->plan : nullptr,
-                           core::inverse(T_world_map), run.path + "/map.3Dscene");
+      results::addTruthToScene(truth->trajectory, truth->plan ? &*truth->plan : nullptr,
+                               core::inverse(T_world_map), run.path + "/map.3Dscene");
     if (truth && truth->plan)
       pictures::drawDifference(*truth->plan, run.map, T_world_map, run.method, run.path + "/difference.png",
                                truth->seen ? &*truth->seen : nullptr);

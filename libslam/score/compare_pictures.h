@@ -4,14 +4,14 @@
 #include <vector>
 
 #include "libslam/core/progress.h"
-#include "libslam/run/run_folder.h"
+#include "libslam/results/run_folder.h"
 #include "libslam/score/evaluate.h"
 
 namespace slam::score {
 
 /// maps.png, paths.png and scan.png of a comparison, and in each run's folder its difference from the plan,
 /// where that is known.
-void drawPictures(const std::vector<run::RunFolder>& runs, const std::vector<Evaluation>& evaluations,
+void drawPictures(const std::vector<results::RunFolder>& runs, const std::vector<Evaluation>& evaluations,
                   const std::optional<Truth>& truth, const std::string& log_path, const std::string& output,
                   core::Progress& progress);
 

@@ -7,22 +7,22 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/ini_yaml.h"
-#include "libslam/core/manifest.h"
 #include "libslam/core/thread_team.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/process/worker.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/manifest.h"
+#include "libslam/results/stopped_run.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
-#include "libslam/run/stopped_run.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
 namespace {
 
 /// The request's settings that the method has a section for.
-std::vector<std::string> settingsOf(const core::IniFile& config, const CompareRequest& request) {
+std::vector<std::string> settingsOf(const files::IniFile& config, const CompareRequest& request) {
   const auto* type = config.find("method", "type");
   const auto sections = mapping::methodSections(type == nullptr ? "" : type->value);
   std::vector<std::string> own;
@@ -72,12 +72,12 @@ void runInProcess(const ComparedMethod& method, const std::string& log_path, con
 }
 
 void runMethod(ComparedMethod& method, const std::string& log_path, const CompareRequest& request,
-               const core::Manifest& manifest, core::Progress& progress) {
+               const resources::Manifest& manifest, core::Progress& progress) {
   try {
     if (!request.program.empty()) return runInProcess(method, log_path, request, progress);
     const auto run = run::buildMap(log_path, method.config, method.name, request.seed, method.folder, true,
                                    manifest, progress, false);
-    if (run.stopped) throw core::MethodError(keptText(run::stopText(*run.stopped)));
+    if (run.stopped) throw core::MethodError(keptText(results::stopText(*run.stopped)));
   } catch (const core::MethodError& error) {
     method.failure = error.what();
   }
@@ -89,7 +89,8 @@ std::vector<ComparedMethod> loadMethods(const CompareRequest& request) {
   std::vector<ComparedMethod> methods;
   for (const auto& name_or_path : request.methods) {
     ComparedMethod method;
-    method.name = core::isConfigFile(name_or_path) ? fs::path(name_or_path).stem().string() : name_or_path;
+    method.name =
+        resources::isConfigFile(name_or_path) ? fs::path(name_or_path).stem().string() : name_or_path;
     method.argument = name_or_path;
     method.config = mapping::loadMethodConfig(request.methods_folder, name_or_path);
     method.settings = settingsOf(method.config, request);
@@ -108,7 +109,7 @@ std::vector<ComparedMethod> loadMethods(const CompareRequest& request) {
 bool isSameRun(const ComparedMethod& method, const std::string& log_path, std::uint64_t seed) {
   if (!fs::exists(method.folder + "/manifest.json")) return false;
   try {
-    const auto manifest = core::readManifest(method.folder + "/manifest.json");
+    const auto manifest = resources::readManifest(method.folder + "/manifest.json");
     if (manifest.results.count("status") > 0) return false;  // it ended before its log did
     for (const auto& line : run::methodParameters(method.config)) {
       const auto it = manifest.config.find(line.section + "." + line.info.key);
@@ -119,15 +120,16 @@ bool isSameRun(const ComparedMethod& method, const std::string& log_path, std::u
         if (const auto it = manifest.inputs.find(path); it == manifest.inputs.end() || it->second != hash)
           return false;
     const auto input = manifest.inputs.find(log_path);
-    return manifest.seed == seed && manifest.version == core::versionText() &&
-           input != manifest.inputs.end() && input->second == core::fileSha256(log_path);
+    return manifest.seed == seed && manifest.version == resources::versionText() &&
+           input != manifest.inputs.end() && input->second == resources::fileSha256(log_path);
   } catch (const core::InputError&) {
     return false;
   }
 }
 
 void runMethods(std::vector<ComparedMethod>& methods, const std::string& log_path,
-                const CompareRequest& request, const core::Manifest& manifest, core::Progress& progress) {
+                const CompareRequest& request, const resources::Manifest& manifest,
+                core::Progress& progress) {
   std::atomic<bool> ended{false};
   core::ThreadTeam(request.threads).forEach(methods.size(), [&](size_t i) {
     if (ended || methods[i].reused) return;

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/score/compare.h"
 
 namespace slam::score {
@@ -13,7 +13,7 @@ namespace slam::score {
 /// A method of a comparison.
 struct ComparedMethod {
   std::string name, argument, folder;  // argument: as the request names it
-  core::IniFile config;
+  files::IniFile config;
   std::vector<std::string> settings;  // of the request, for this method
   std::string failure;                ///< why it has no figures; empty: it has
   bool reused = false;                ///< what lies there is taken
@@ -30,6 +30,6 @@ bool isSameRun(const ComparedMethod& method, const std::string& log_path, std::u
 /// program; each is independent, so the number of threads changes nothing but the time. What goes wrong with
 /// a method alone is its failure.
 void runMethods(std::vector<ComparedMethod>& methods, const std::string& log_path,
-                const CompareRequest& request, const core::Manifest& manifest, core::Progress& progress);
+                const CompareRequest& request, const resources::Manifest& manifest, core::Progress& progress);
 
 }  // namespace slam::score

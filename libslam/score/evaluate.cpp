@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/run/lost_time.h"
+#include "libslam/resources/resources.h"
+#include "libslam/results/lost_time.h"
 #include "libslam/score/metric_infos.h"
 #include "libslam/stats/consistency.h"
 
@@ -21,7 +21,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr metrics::ErrorStatistics kNoStatistics{0, kNan, kNan, kNan, kNan, kNan};
 
 /// Median over the other methods of the ATE between two estimates: small when a method tells the same story.
-double agreementWithOthers(const std::vector<run::RunFolder>& runs, size_t index) {
+double agreementWithOthers(const std::vector<results::RunFolder>& runs, size_t index) {
   std::vector<double> errors;
   for (size_t i = 0; i < runs.size(); ++i)
     if (i != index && !runs[i].estimate.empty() && !runs[index].estimate.empty())
@@ -34,13 +34,14 @@ double agreementWithOthers(const std::vector<run::RunFolder>& runs, size_t index
 
 }  // namespace
 
-Truth loadTruth(const std::string& truth_path, const std::string& plan_path, const run::RunFolder& lidar_of) {
+Truth loadTruth(const std::string& truth_path, const std::string& plan_path,
+                const results::RunFolder& lidar_of) {
   Truth truth;
   truth.trajectory = logs::readTrajectory(truth_path);
   if (plan_path.empty()) return truth;
   truth.plan = world::loadPlan(plan_path);
   const auto lidar = [&](const std::string& key) {
-    return run::resultOf(lidar_of.manifest, "lidar." + key, lidar_of.path);
+    return results::resultOf(lidar_of.manifest, "lidar." + key, lidar_of.path);
   };
   truth.seen = metrics::seenCells(
       *truth.plan, truth.trajectory, {lidar("mount_x_m"), lidar("mount_y_m"), lidar("mount_yaw_rad")},
@@ -67,15 +68,15 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
 
 namespace {
 
-void judgeCovariances(const run::RunFolder& run, const Truth& truth, const Alignment& alignment,
+void judgeCovariances(const results::RunFolder& run, const Truth& truth, const Alignment& alignment,
                       Evaluation& e) {
   std::optional<core::Pose2> T_world_map;
   if (alignment.how == metrics::Align::kNone) T_world_map = alignment.T_truth_map;
   constexpr int kPoseDegreesOfFreedom = 3;
   if (!run.covariances.empty())
-    if (const auto online =
-            stats::consistency({run::poseNees(truth.trajectory, run.estimate, run.covariances, T_world_map)},
-                               kPoseDegreesOfFreedom)) {
+    if (const auto online = stats::consistency(
+            {results::poseNees(truth.trajectory, run.estimate, run.covariances, T_world_map)},
+            kPoseDegreesOfFreedom)) {
       e.anees = online->anees.value;
       e.within_50_share = online->coverage50.value;
       e.within_95_share = online->coverage95.value;
@@ -83,7 +84,7 @@ void judgeCovariances(const run::RunFolder& run, const Truth& truth, const Align
     }
   if (!run.final_covariances.empty())
     if (const auto final_poses = stats::consistency(
-            {run::poseNees(truth.trajectory, *run.final_estimate, run.final_covariances, T_world_map)},
+            {results::poseNees(truth.trajectory, *run.final_estimate, run.final_covariances, T_world_map)},
             kPoseDegreesOfFreedom)) {
       e.anees_final = final_poses->anees.value;
       e.within_50_share_final = final_poses->coverage50.value;
@@ -94,13 +95,13 @@ void judgeCovariances(const run::RunFolder& run, const Truth& truth, const Align
 
 }  // namespace
 
-Alignment alignmentOf(const core::Manifest& manifest) {
+Alignment alignmentOf(const resources::Manifest& manifest) {
   Alignment alignment;
   if (manifest.results.count("localised_in") > 0) alignment.how = metrics::Align::kNone;
   return alignment;
 }
 
-core::Pose2 mapFrame(const core::Manifest& manifest, const std::string& map_truth_path) {
+core::Pose2 mapFrame(const resources::Manifest& manifest, const std::string& map_truth_path) {
   const auto map = manifest.results.find("localised_in");
   if (map == manifest.results.end())
     throw core::InputError(
@@ -118,7 +119,7 @@ core::Pose2 mapFrame(const core::Manifest& manifest, const std::string& map_trut
   return error.T_truth_estimate;
 }
 
-Evaluation evaluate(const run::RunFolder& run, const std::optional<Truth>& truth,
+Evaluation evaluate(const results::RunFolder& run, const std::optional<Truth>& truth,
                     const std::optional<Alignment>& given) {
   const Alignment alignment = given.value_or(alignmentOf(run.manifest));
   Evaluation e = failedEvaluation(run.method, "");
@@ -129,27 +130,28 @@ Evaluation evaluate(const run::RunFolder& run, const std::optional<Truth>& truth
   }
   e.cost = run.cost;
   e.align = alignment.how;
-  e.lost_share = run::resultIfThere(run.manifest, "lost_share");
-  e.path_length_m = run::resultIfThere(run.manifest, "path_length_m");
-  e.end_pose = {run::resultIfThere(run.manifest, "end.x_m"), run::resultIfThere(run.manifest, "end.y_m"),
-                run::resultIfThere(run.manifest, "end.yaw_rad")};
+  e.lost_share = results::resultIfThere(run.manifest, "lost_share");
+  e.path_length_m = results::resultIfThere(run.manifest, "path_length_m");
+  e.end_pose = {results::resultIfThere(run.manifest, "end.x_m"),
+                results::resultIfThere(run.manifest, "end.y_m"),
+                results::resultIfThere(run.manifest, "end.yaw_rad")};
   // A run that was not made by buildMap() does not say them.
   if (std::isnan(e.path_length_m)) e.path_length_m = core::pathLength(run.estimate);
   if (!core::isFinite(e.end_pose) && !run.estimate.empty()) e.end_pose = run.estimate.back().pose;
-  e.map_mean_entropy_bits = run::resultOf(run.manifest, "map_mean_entropy_bits", run.path);
+  e.map_mean_entropy_bits = results::resultOf(run.manifest, "map_mean_entropy_bits", run.path);
   e.structure = metrics::mapStructure(run.map);
-  e.mean_map_entropy = run::resultIfThere(run.manifest, "self.mean_map_entropy");
-  e.wall_thickness_m = run::resultIfThere(run.manifest, "self.wall_thickness_m");
-  e.on_wall_share = run::resultIfThere(run.manifest, "self.on_wall_share");
-  e.through_wall_share = run::resultIfThere(run.manifest, "self.through_wall_share");
+  e.mean_map_entropy = results::resultIfThere(run.manifest, "self.mean_map_entropy");
+  e.wall_thickness_m = results::resultIfThere(run.manifest, "self.wall_thickness_m");
+  e.on_wall_share = results::resultIfThere(run.manifest, "self.on_wall_share");
+  e.through_wall_share = results::resultIfThere(run.manifest, "self.through_wall_share");
   if (!truth) return e;
-  std::vector<run::LostSpan> lost;
+  std::vector<results::LostSpan> lost;
   if (run.manifest.results.count("localised_in") && std::filesystem::exists(run.path + "/journal.csv") &&
       !run.estimate.empty())
-    lost = run::lostSpans(run::readJournal(run.path + "/journal.csv"),
-                          run.estimate.back().time_s - run.estimate.front().time_s);
+    lost = results::lostSpans(results::readJournal(run.path + "/journal.csv"),
+                              run.estimate.back().time_s - run.estimate.front().time_s);
   const auto errorOf = [&](const core::Trajectory& estimate) {
-    return metrics::trajectoryError(truth->trajectory, run::whileNotLost(estimate, lost), alignment.how,
+    return metrics::trajectoryError(truth->trajectory, results::whileNotLost(estimate, lost), alignment.how,
                                     alignment.T_truth_map);
   };
   e.trajectory = errorOf(run.estimate);
@@ -255,7 +257,7 @@ table::Table costTable(const std::vector<Evaluation>& evaluations) {
   return tableOf("Cost on this machine", costKeys(), evaluations);
 }
 
-void setAgreement(const std::vector<run::RunFolder>& runs, std::vector<Evaluation>& evaluations) {
+void setAgreement(const std::vector<results::RunFolder>& runs, std::vector<Evaluation>& evaluations) {
   for (auto& e : evaluations)
     for (size_t i = 0; i < runs.size(); ++i)
       if (runs[i].method == e.method) e.agreement_m = agreementWithOthers(runs, i);

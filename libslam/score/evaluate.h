@@ -2,12 +2,12 @@
 #include <optional>
 #include <string>
 
-#include "libslam/core/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/metrics/map_score.h"
 #include "libslam/metrics/map_structure.h"
 #include "libslam/metrics/trajectory_error.h"
-#include "libslam/run/run_folder.h"
+#include "libslam/resources/manifest.h"
+#include "libslam/results/run_folder.h"
 #include "libslam/stats/paired.h"
 #include "libslam/table/table.h"
 #include "libslam/world/plan.h"
@@ -21,7 +21,8 @@ struct Truth {
   std::optional<metrics::SeenMask> seen;
 };
 /// `lidar_of`: any run on the same log; it says which lidar looked. plan_path may be "".
-Truth loadTruth(const std::string& truth_path, const std::string& plan_path, const run::RunFolder& lidar_of);
+Truth loadTruth(const std::string& truth_path, const std::string& plan_path,
+                const results::RunFolder& lidar_of);
 
 /// How a run is laid onto the truth.
 struct Alignment {
@@ -30,11 +31,11 @@ struct Alignment {
 };
 /// A run that was localised in a known map is not aligned: where it says that the robot is has to be right.
 /// Others by SE(2).
-Alignment alignmentOf(const core::Manifest& manifest);
+Alignment alignmentOf(const resources::Manifest& manifest);
 /// Where the frame of the map that a run was localised in lies, by the true path of the run that made the
 /// map: its first pose against the truth's. Errors: InputError where that run's folder or path cannot be
 /// read, or shares no stamp with the truth.
-core::Pose2 mapFrame(const core::Manifest& manifest, const std::string& map_truth_path);
+core::Pose2 mapFrame(const resources::Manifest& manifest, const std::string& map_truth_path);
 
 /// All figures of one run. Without truth the first three blocks are NaN; without plan the map score is.
 struct Evaluation {
@@ -49,7 +50,7 @@ struct Evaluation {
   /// of the final poses; NaN where there are none.
   double anees, within_50_share, within_95_share, singular_share;
   double anees_final, within_50_share_final, within_95_share_final, singular_share_final;
-  run::Cost cost;
+  results::Cost cost;
   double path_length_m = 0;
   core::Pose2 end_pose;  ///< T_map_robot at the last scan
   double map_mean_entropy_bits;
@@ -59,7 +60,7 @@ struct Evaluation {
   double lost_share;   ///< of the time that the method called itself lost; NaN where it keeps no journal
   double agreement_m;  ///< see setAgreement()
 };
-Evaluation evaluate(const run::RunFolder& run, const std::optional<Truth>& truth,
+Evaluation evaluate(const results::RunFolder& run, const std::optional<Truth>& truth,
                     const std::optional<Alignment>& alignment = std::nullopt);
 /// Every figure NaN: the row of a method that failed.
 Evaluation failedEvaluation(const std::string& method, const std::string& why);
@@ -80,6 +81,6 @@ table::Table costTable(const std::vector<Evaluation>& evaluations);
 
 /// Sets agreement_m of each: the median over the other runs of the ATE between the two estimates. runs[i]
 /// belongs to evaluations[i] where their methods are equal; a failed method has none.
-void setAgreement(const std::vector<run::RunFolder>& runs, std::vector<Evaluation>& evaluations);
+void setAgreement(const std::vector<results::RunFolder>& runs, std::vector<Evaluation>& evaluations);
 
 }  // namespace slam::score

@@ -10,15 +10,15 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/metrics/nearest_points.h"
-#include "libslam/record/carry_file.h"
-#include "libslam/record/collision_file.h"
-#include "libslam/record/number_rows.h"
 #include "libslam/table/number_text.h"
 #include "libslam/table/table.h"
+#include "libslam/truth/carry_file.h"
+#include "libslam/truth/collision_file.h"
+#include "libslam/truth/number_rows.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
@@ -207,8 +207,8 @@ std::optional<WorstRegion> worstRegion(const world::Plan& plan, const metrics::S
   return worst;
 }
 
-FailureReport explainFailure(const run::RunFolder& run, const Truth& truth, const FailureEvidence& evidence,
-                             const FailureLimits& limits) {
+FailureReport explainFailure(const results::RunFolder& run, const Truth& truth,
+                             const FailureEvidence& evidence, const FailureLimits& limits) {
   const auto& journal = evidence.journal;
   FailureReport report;
   std::vector<double> stamps_s;
@@ -254,13 +254,13 @@ FailureReport explainFailure(const run::RunFolder& run, const Truth& truth, cons
   return report;
 }
 
-FailureEvidence readEvidence(const run::RunFolder& run, const std::string& truth_path,
+FailureEvidence readEvidence(const results::RunFolder& run, const std::string& truth_path,
                              const std::string& log_path) {
   FailureEvidence evidence;
   const std::string journal_path = run.path + "/journal.csv";
-  if (fs::exists(journal_path)) evidence.journal = run::readJournal(journal_path);
-  evidence.collisions = record::readCollisions(record::collisionsPath(truth_path));
-  evidence.carries = record::readCarryFile(record::carriesPath(truth_path));
+  if (fs::exists(journal_path)) evidence.journal = results::readJournal(journal_path);
+  evidence.collisions = truth::readCollisions(truth::collisionsPath(truth_path));
+  evidence.carries = truth::readCarryFile(truth::carriesPath(truth_path));
   if (log_path.empty() || !fs::exists(log_path)) return evidence;
   logs::LogReader log(log_path);
   while (const auto entry = log.next())
@@ -329,7 +329,7 @@ std::string failureJson(const FailureReport& report) {
 
 FailureReport readFailure(const std::string& path) {
   try {
-    const auto json = Json::parse(core::readTextFile(path));
+    const auto json = Json::parse(files::readTextFile(path));
     FailureReport report;
     report.divergence =
         Divergence{json.at("divergence") == kJumpWord ? Divergence::kJump : Divergence::kDrift,

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/run/journal_file.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/table/table.h"
@@ -85,11 +85,11 @@ struct FailureEvidence {
   std::vector<sim::Carry> carries;         ///< likewise
   core::Trajectory odometry;               ///< dead reckoning from the first scan on
 };
-FailureReport explainFailure(const run::RunFolder& run, const Truth& truth, const FailureEvidence& evidence,
-                             const FailureLimits& limits = {});
+FailureReport explainFailure(const results::RunFolder& run, const Truth& truth,
+                             const FailureEvidence& evidence, const FailureLimits& limits = {});
 /// The run's journal.csv, the collisions and carries beside the truth, and the odometry of the log ("" for
 /// none), where they are. Errors: InputError.
-FailureEvidence readEvidence(const run::RunFolder& run, const std::string& truth_path,
+FailureEvidence readEvidence(const results::RunFolder& run, const std::string& truth_path,
                              const std::string& log_path);
 
 /// For people and machines: two columns, what and value.

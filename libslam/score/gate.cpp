@@ -9,9 +9,9 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/json_entry.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
+#include "libslam/resources/json_entry.h"
 #include "libslam/score/metric_infos.h"
 #include "libslam/stats/bootstrap.h"
 
@@ -23,21 +23,21 @@ constexpr double kUsualTolerance = 0.1;
 constexpr const char* kTranslationMean = "translation_mean_m";
 constexpr const char* kRotationMean = "rotation_mean_deg";
 
-double numberAtLeastZero(core::JsonEntry& entry, const std::string& key) {
+double numberAtLeastZero(resources::JsonEntry& entry, const std::string& key) {
   if (!entry.has(key)) return 0;
   const double value = entry.number(key);
   if (!(value >= 0)) entry.fail(key, value, "a number of 0 or more");
   return value;
 }
 
-double valueOf(const core::JsonEntry& entry, const std::string& key, const nlohmann::json& json,
+double valueOf(const resources::JsonEntry& entry, const std::string& key, const nlohmann::json& json,
                stats::Better better) {
   if (json.is_null()) return stats::failedValue(better);
   if (!json.is_number()) entry.fail(key, json, "a number, or null for a run that failed");
   return json.get<double>();
 }
 
-std::vector<std::uint64_t> readSeeds(core::JsonEntry& entry, std::size_t count) {
+std::vector<std::uint64_t> readSeeds(resources::JsonEntry& entry, std::size_t count) {
   const auto json = entry.take("seeds");
   const bool is_list = json.is_array() && json.size() == count &&
                        std::all_of(json.begin(), json.end(),
@@ -51,7 +51,7 @@ std::vector<std::uint64_t> readSeeds(core::JsonEntry& entry, std::size_t count) 
 }
 
 GateRow readRow(const nlohmann::json& json, const std::string& where) {
-  core::JsonEntry entry(json, where);
+  resources::JsonEntry entry(json, where);
   GateRow row;
   row.baseline.cell = entry.text("cell");
   row.baseline.metric = entry.text("metric");
@@ -187,9 +187,9 @@ std::string countsNote(const std::vector<GateFinding>& findings, const std::stri
 }  // namespace
 
 Gate readGate(const std::string& path) {
-  const auto json = core::readJsonFile(path);
+  const auto json = resources::readJsonFile(path);
   if (json.is_discarded()) throw core::InputError(path + ": is not JSON, expected what --write-gate writes");
-  core::JsonEntry entry(json, path);
+  resources::JsonEntry entry(json, path);
   Gate gate;
   if (entry.has("alpha")) gate.alpha = entry.number("alpha");
   if (!(gate.alpha > 0 && gate.alpha < 1)) entry.fail("alpha", gate.alpha, "a number between 0 and 1");
@@ -216,7 +216,7 @@ void writeGate(const Gate& gate, const std::string& path) {
     text += comma + jsonOf(row).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     comma = ",\n  ";
   }
-  core::writeFileAtomically(path, text + "]}\n");
+  files::writeFileAtomically(path, text + "]}\n");
 }
 
 std::vector<Score> scoresOf(const Evaluation& evaluation) {

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
-#include "libslam/core/word_list.h"
+#include "libslam/files/parameters.h"
+#include "libslam/files/word_list.h"
 #include "libslam/metrics/trajectory_error.h"
 
 namespace slam::score {
@@ -32,10 +32,10 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
 
 std::vector<RpeStep> parseRpeSteps(const std::string& text, const std::string& option) {
   std::vector<RpeStep> steps;
-  for (const auto& word : core::splitAt(text, ',')) {
+  for (const auto& word : files::splitAt(text, ',')) {
     RpeStep step;
     const char unit = word.empty() ? ' ' : word.back();
-    if ((unit != 'm' && unit != 's') || !core::parseNumber(word.substr(0, word.size() - 1), step.length) ||
+    if ((unit != 'm' && unit != 's') || !files::parseNumber(word.substr(0, word.size() - 1), step.length) ||
         !(step.length > 0))
       throw core::InputError(option + ": found '" + word +
                              "', expected metres or seconds, such as 1m,10m,1s");
@@ -56,7 +56,7 @@ table::Table rpeTable(const core::Trajectory& truth, const core::Trajectory& est
   for (const auto& step : steps) {
     const auto error = step.is_time ? metrics::relativeErrorOverTime(truth, estimate, step.length)
                                     : metrics::relativeErrorOverDistance(truth, estimate, step.length);
-    table.rows.push_back({core::formatNumber(step.length) + (step.is_time ? " s" : " m"),
+    table.rows.push_back({files::formatNumber(step.length) + (step.is_time ? " s" : " m"),
                           static_cast<double>(error.translation_m.count), error.translation_m.rmse,
                           error.translation_m.max, core::radToDeg(error.rotation_rad.rmse),
                           core::radToDeg(error.rotation_rad.max)});

@@ -60,7 +60,7 @@ std::string motionText(const core::Pose2& T) {
 
 }  // namespace
 
-std::vector<RelationScore> scoreByRelations(const run::RunFolder& run, const core::Relations& relations) {
+std::vector<RelationScore> scoreByRelations(const results::RunFolder& run, const core::Relations& relations) {
   const auto online = metrics::relationError(relations, run.estimate);
   if (!run.final_estimate) return {{run.method, online}};
   return {{run.method + " final", metrics::relationError(relations, *run.final_estimate)},

@@ -18,7 +18,7 @@ struct RelationScore {
 
 /// Of a run: its path, or where the method corrects its past the final path first and then the one given
 /// online.
-std::vector<RelationScore> scoreByRelations(const run::RunFolder& run, const core::Relations& relations);
+std::vector<RelationScore> scoreByRelations(const results::RunFolder& run, const core::Relations& relations);
 
 /// One row per path: mean, deviation and maximum of the translational and of the rotational error (Kümmerle
 /// et al. 2009), how many relations were scored; kFull also the squares and medians. The notes state how

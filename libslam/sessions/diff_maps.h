@@ -1,9 +1,9 @@
 #pragma once
 #include <string>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/sessions/map_changes.h"
 #include "libslam/table/table.h"
 #include "libslam/world/plan.h"
@@ -20,8 +20,8 @@ struct MapPair {
 /// frame. Else maps of sessions (merge_maps.h): the second is found in the first as mergeMaps() does, both
 /// are refined together, and each is drawn from its own scans alone. Errors: as mergeMaps(); InputError for a
 /// grid beside a session.
-MapPair bringTogether(const std::string& before, const std::string& after, const core::IniFile& method_config,
-                      core::Progress& progress);
+MapPair bringTogether(const std::string& before, const std::string& after,
+                      const files::IniFile& method_config, core::Progress& progress);
 
 /// A row per change, numbered as in the picture.
 table::Table changeTable(const MapPair& maps, const MapChanges& changes);
@@ -29,8 +29,8 @@ table::Table changeTable(const MapPair& maps, const MapChanges& changes);
 /// What has changed from one map to a later one; writes a folder:
 ///   changes.txt   changes.csv   changes.json   changes.png   changes.html   manifest.json
 /// The folder appears whole or not at all. Same maps, same bytes. Errors: as bringTogether().
-MapChanges diffMaps(const std::string& before, const std::string& after, const core::IniFile& method_config,
-                    const std::string& folder, bool overwrite, core::Manifest manifest,
+MapChanges diffMaps(const std::string& before, const std::string& after, const files::IniFile& method_config,
+                    const std::string& folder, bool overwrite, resources::Manifest manifest,
                     core::Progress& progress);
 
 }  // namespace slam::sessions

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/logs/trajectory_io.h"
 
@@ -55,7 +55,7 @@ void refuseSameScans(const std::vector<Session>& sessions, const std::vector<std
 /// What a lidar that hangs upside down would make of it.
 KeyFrame mirrored(KeyFrame frame) {
   const auto mirror = [](const Pose2& pose) { return Pose2{pose.x, -pose.y, -pose.phi}; };
-  robot::Scan& scan = frame.scan;
+  lidar::Scan& scan = frame.scan;
   std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
   scan.first_angle_rad =
       -(scan.first_angle_rad + scan.step_rad * static_cast<double>(scan.ranges_m.size() - 1));
@@ -64,18 +64,18 @@ KeyFrame mirrored(KeyFrame frame) {
   return frame;
 }
 
-bool belongs(const graph::PartPlace& place) {
+bool belongs(const loops::PartPlace& place) {
   return place.is_joined && place.contradicted <= kMostContradicted;
 }
 
 std::string percent(double share) {
-  return core::formatNumber(std::round(1000 * share) / 10) + " %";
+  return files::formatNumber(std::round(1000 * share) / 10) + " %";
 }
 
 /// Why a map is refused; for those that are mirrored a second search tells.
-std::string refusal(const Session& session, const graph::PartPlace& place,
+std::string refusal(const Session& session, const loops::PartPlace& place,
                     const std::vector<KeyFrame>& key_frames, const std::string& first,
-                    const core::IniFile& config, core::Progress& progress) {
+                    const files::IniFile& config, core::Progress& progress) {
   if (place.is_joined)
     return session.path + ": found " + percent(place.contradicted) +
            " of what it shares with the other maps to contradict them, expected at most " +
@@ -83,7 +83,7 @@ std::string refusal(const Session& session, const graph::PartPlace& place,
   progress.begin("looking whether it is a mirror image");
   std::vector<KeyFrame> image;
   for (const auto& frame : key_frames) image.push_back(mirrored(frame));
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   mapping::writeKeyFrames(image, scratch / "mirrored.simplemap");
   auto method = mapping::makeMapBuilder(config, "graph", 1);
   const auto mirror = mapping::joinMaps(method, {first, scratch / "mirrored.simplemap"}, progress);
@@ -124,7 +124,7 @@ bool namesMap(const std::string& path) {
   return fs::is_directory(path) || fs::path(path).extension() == ".simplemap";
 }
 
-JoinedSessions joinSessions(const std::vector<std::string>& maps, const core::IniFile& method_config,
+JoinedSessions joinSessions(const std::vector<std::string>& maps, const files::IniFile& method_config,
                             core::Progress& progress) {
   JoinedSessions joined;
   joined.sessions = findSessions(maps);
@@ -138,7 +138,7 @@ JoinedSessions joinSessions(const std::vector<std::string>& maps, const core::In
   progress.begin("looking for the maps in one another");
   joined.places = mapping::joinMaps(joined.method, files, progress);
   progress.end();
-  joined.places.insert(joined.places.begin(), graph::PartPlace{});
+  joined.places.insert(joined.places.begin(), loops::PartPlace{});
   for (size_t s = 1; s < maps.size(); ++s)
     if (!belongs(joined.places[s]))
       throw core::MethodError(

@@ -2,10 +2,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
-#include "libslam/graph/part_place.h"
+#include "libslam/files/ini.h"
+#include "libslam/loops/part_place.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
 
@@ -33,7 +33,7 @@ inline constexpr double kMostContradicted = 0.15;
 /// Sessions of one building in one map, in the frame of the first.
 struct JoinedSessions {
   std::vector<Session> sessions;
-  std::vector<graph::PartPlace> places;  ///< one each; that of the first is void
+  std::vector<loops::PartPlace> places;  ///< one each; that of the first is void
   std::vector<std::vector<mapping::KeyFrame>> before,
       key_frames;              ///< of each: as they were given, and as they lie in the end
   mapping::MapBuilder method;  ///< of type graph: holds the map of all
@@ -42,7 +42,7 @@ struct JoinedSessions {
 /// what holds no key frames, and for maps that hold the same scans; MethodError where a map has no proved
 /// place in the others, or contradicts them there (kMostContradicted): the message says so, or that it is the
 /// mirror image of one. What `progress` throws.
-JoinedSessions joinSessions(const std::vector<std::string>& maps, const core::IniFile& method_config,
+JoinedSessions joinSessions(const std::vector<std::string>& maps, const files::IniFile& method_config,
                             core::Progress& progress);
 
 }  // namespace slam::sessions

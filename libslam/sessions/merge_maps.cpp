@@ -6,13 +6,14 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/run/manifest_entries.h"
-#include "libslam/run/scene_file.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/results/manifest_entries.h"
+#include "libslam/results/scene_file.h"
 
 namespace slam::sessions {
 namespace {
@@ -87,28 +88,28 @@ int acceptedLoops(const mapping::MapBuilder& method) {
   }));
 }
 
-void describe(const MergedMap& merged, const core::IniFile& config, const std::string& folder,
-              core::Manifest& manifest) {
+void describe(const MergedMap& merged, const files::IniFile& config, const std::string& folder,
+              resources::Manifest& manifest) {
   for (const auto& one : merged.sessions) {
-    manifest.inputs[one.session.simplemap] = core::fileSha256(one.session.simplemap);
+    manifest.inputs[one.session.simplemap] = resources::fileSha256(one.session.simplemap);
     manifest.files[one.session.name + ".tum"] = "its path in the merged map, TUM form: rasterslam eval, evo";
   }
   for (const auto& line : mapping::readMethodConfig(config).report)
     manifest.config[line.section + "." + line.info.key] = line.value;
   manifest.results["sessions"] = std::to_string(merged.sessions.size());
-  run::describePose("end_final", merged.sessions.back().path.back().pose, manifest.results);
-  for (const auto& [file, note] : run::fileNotes())
+  results::describePose("end_final", merged.sessions.back().path.back().pose, manifest.results);
+  for (const auto& [file, note] : results::fileNotes())
     if (fs::exists(folder + "/" + file)) manifest.files[file] = note;
   manifest.files["merge.json"] = "how the maps lie to one another, and what speaks for it";
 }
 
 }  // namespace
 
-MergedMap mergeMaps(const std::vector<std::string>& maps, const core::IniFile& method_config,
-                    const std::string& folder, bool overwrite, core::Manifest manifest,
+MergedMap mergeMaps(const std::vector<std::string>& maps, const files::IniFile& method_config,
+                    const std::string& folder, bool overwrite, resources::Manifest manifest,
                     core::Progress& progress) {
   if (maps.size() < 2) throw core::InputError("merge: found 1 map, expected two or more");
-  core::PendingFolder output(folder, overwrite);
+  files::PendingFolder output(folder, overwrite);
   const JoinedSessions joined = joinSessions(maps, method_config, progress);
   MergedMap merged;
   for (size_t s = 0; s < maps.size(); ++s)
@@ -119,11 +120,11 @@ MergedMap mergeMaps(const std::vector<std::string>& maps, const core::IniFile& m
   for (const auto& one : merged.sessions)
     logs::writeTum(one.path, output.path() + "/" + one.session.name + ".tum");
   mapping::saveMaps(joined.method, output.path());
-  run::writeScene(joined.method, merged.sessions.back().path, joined.key_frames.back().back().scan,
-                  output.path() + "/map.3Dscene");
-  core::writeFileAtomically(output.path() + "/merge.json", mergeJson(merged));
+  results::writeScene(joined.method, merged.sessions.back().path, joined.key_frames.back().back().scan,
+                      output.path() + "/map.3Dscene");
+  files::writeFileAtomically(output.path() + "/merge.json", mergeJson(merged));
   describe(merged, method_config, output.path(), manifest);
-  core::writeManifest(manifest, output.path() + "/manifest.json");
+  resources::writeManifest(manifest, output.path() + "/manifest.json");
   output.commit();
   return merged;
 }

@@ -2,17 +2,17 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/sessions/joined_sessions.h"
 
 namespace slam::sessions {
 
 struct MergedSession {
   Session session;
-  graph::PartPlace place;  ///< in the frame of the first, of which it is void
+  loops::PartPlace place;  ///< in the frame of the first, of which it is void
   int key_frames = 0;
   core::Trajectory path;  ///< of its scans in the merged map; without a path, of its key frames
 };
@@ -33,8 +33,8 @@ struct MergedMap {
 /// Errors: InputError for what holds no key frames, and for maps that hold the same scans; MethodError, and
 /// nothing is written, where a map has no proved place in the others, or contradicts them there
 /// (kMostContradicted): the message says so, or that it is the mirror image of one. core::Interrupted.
-MergedMap mergeMaps(const std::vector<std::string>& maps, const core::IniFile& method_config,
-                    const std::string& folder, bool overwrite, core::Manifest manifest,
+MergedMap mergeMaps(const std::vector<std::string>& maps, const files::IniFile& method_config,
+                    const std::string& folder, bool overwrite, resources::Manifest manifest,
                     core::Progress& progress);
 
 }  // namespace slam::sessions

@@ -3,10 +3,10 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
+#include "libslam/lidar/scan.h"
+#include "libslam/movers/scene.h"
+#include "libslam/rays/beam_table.h"
 #include "libslam/robot/camera.h"
-#include "libslam/robot/scan.h"
-#include "libslam/sim/scene.h"
-#include "libslam/world/beam_table.h"
 
 namespace slam::sim {
 
@@ -30,12 +30,12 @@ class CameraSensor {
   /// InputError as robot::requireSensible().
   CameraSensor(const robot::FloorCamera& camera, std::uint64_t seed);
 
-  robot::Scan sense(const Scene& scene, const core::Pose2& T_world_robot, double time_s);
+  lidar::Scan sense(const movers::Scene& scene, const core::Pose2& T_world_robot, double time_s);
 
  private:
   robot::FloorCamera camera_;
-  robot::LidarOptions lidar_;
-  world::BeamTable beams_;
+  lidar::LidarOptions lidar_;
+  rays::BeamTable beams_;
   core::RandomStream random_;
 };
 

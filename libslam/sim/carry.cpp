@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/number_list.h"
+#include "libslam/files/number_list.h"
 
 namespace slam::sim {
 namespace {
@@ -22,25 +22,25 @@ Where whereOf(const std::string& word) {
 std::vector<double> numbersOf(const std::string& word) {
   const auto colon = word.find(':');
   if (colon == std::string::npos) return {};
-  auto numbers = core::parseNumberList(word.substr(colon + 1));
+  auto numbers = files::parseNumberList(word.substr(colon + 1));
   double time_s = 0;
-  if (numbers.size() != 3 || !core::parseNumber(word.substr(0, colon), time_s)) return {};
+  if (numbers.size() != 3 || !files::parseNumber(word.substr(0, colon), time_s)) return {};
   numbers.insert(numbers.begin(), time_s);
   return numbers;
 }
 
 }  // namespace
 
-const core::ParameterTable<EventOptions>& EventOptions::table() {
+const files::ParameterTable<EventOptions>& EventOptions::table() {
   using O = EventOptions;
-  static const core::ParameterTable<O> rows("events",
-                                            {{"carry",
-                                              &O::carry,
-                                              kNone,
-                                              {},
-                                              "kidnapped robot: TIME_S:X_M,Y_M,HEADING_DEG in the world "
-                                              "frame, or TIME_S:random, or TIME_S:visited for a "
-                                              "place where it was before; several by blanks; none"}});
+  static const files::ParameterTable<O> rows("events",
+                                             {{"carry",
+                                               &O::carry,
+                                               kNone,
+                                               {},
+                                               "kidnapped robot: TIME_S:X_M,Y_M,HEADING_DEG in the world "
+                                               "frame, or TIME_S:random, or TIME_S:visited for a "
+                                               "place where it was before; several by blanks; none"}});
   return rows;
 }
 
@@ -50,7 +50,7 @@ EventOptions::EventOptions() {
 
 std::vector<CarryOrder> parseCarries(const std::string& text, const std::string& origin) {
   std::vector<CarryOrder> carries;
-  if (core::trimmed(text) == kNone) return carries;
+  if (files::trimmed(text) == kNone) return carries;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
     const auto fail = [&](const std::string& expected) {
@@ -69,14 +69,15 @@ std::vector<CarryOrder> parseCarries(const std::string& text, const std::string&
                    [](const CarryOrder& a, const CarryOrder& b) { return a.time_s < b.time_s; });
   for (size_t i = 1; i < carries.size(); ++i)
     if (carries[i].time_s == carries[i - 1].time_s)
-      throw core::InputError(origin + ": found two events at " + core::formatNumber(carries[i].time_s) +
+      throw core::InputError(origin + ": found two events at " + files::formatNumber(carries[i].time_s) +
                              " s, expected one place for one time");
   return carries;
 }
 
-std::vector<CarryOrder> readCarries(const core::IniFile& config, std::vector<core::ParameterReport>* report) {
+std::vector<CarryOrder> readCarries(const files::IniFile& config,
+                                    std::vector<files::ParameterReport>* report) {
   EventOptions options;
-  core::readParameters(config, EventOptions::table(), options, report);
+  files::readParameters(config, EventOptions::table(), options, report);
   const auto* entry = config.find("events", "carry");
   return parseCarries(options.carry, entry ? entry->origin : "events.carry");
 }
@@ -84,8 +85,8 @@ std::vector<CarryOrder> readCarries(const core::IniFile& config, std::vector<cor
 void requireBefore(const std::vector<CarryOrder>& carries, double end_s) {
   for (const auto& carry : carries)
     if (carry.time_s >= end_s)
-      throw core::InputError(carry.origin + ": found an event at " + core::formatNumber(carry.time_s) +
-                             " s, expected one before the end at " + core::formatNumber(end_s) + " s");
+      throw core::InputError(carry.origin + ": found an event at " + files::formatNumber(carry.time_s) +
+                             " s, expected one before the end at " + files::formatNumber(end_s) + " s");
 }
 
 void DrivenPath::add(const core::Pose2& T_world_robot, const std::vector<Carry>& carries) {

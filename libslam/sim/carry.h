@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::sim {
 
@@ -12,7 +12,7 @@ namespace slam::sim {
 struct EventOptions {
   std::string carry;  ///< the kidnapped robot: see parseCarries()
   EventOptions();
-  static const core::ParameterTable<EventOptions>& table();
+  static const files::ParameterTable<EventOptions>& table();
 };
 
 /// The kidnapped robot: at a moment somebody lifts the robot up and puts it down elsewhere. Its wheels do not
@@ -37,7 +37,8 @@ struct Carry {
 std::vector<CarryOrder> parseCarries(const std::string& text, const std::string& origin);
 
 /// Section [events] of a configuration; its parameters are appended to `report`. Errors: InputError.
-std::vector<CarryOrder> readCarries(const core::IniFile& config, std::vector<core::ParameterReport>* report);
+std::vector<CarryOrder> readCarries(const files::IniFile& config,
+                                    std::vector<files::ParameterReport>* report);
 
 /// Refuses orders that come at the end or later, which are never carried out. Errors: InputError.
 void requireBefore(const std::vector<CarryOrder>& carries, double end_s);

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "libslam/core/elementary.h"
-#include "libslam/robot/beam.h"
+#include "libslam/lidar/beam.h"
 
 namespace slam::sim {
 namespace {
@@ -27,12 +27,12 @@ bool areEqual(const core::Pose2& a, const core::Pose2& b) {
 
 /// The wall that a ray met after range_m if it is not plain; nullopt for plain walls, for what is not in the
 /// plan, and for a ray that starts in the wall.
-std::optional<world::WallHit> specialWall(const world::Plan& plan, const LidarSensor::Ray& ray,
-                                          double range_m) {
+std::optional<rays::WallHit> specialWall(const world::Plan& plan, const LidarSensor::Ray& ray,
+                                         double range_m) {
   // Ranges are floats: this far apart, the scene's answer and the plan's wall are the same place.
   constexpr double kSamePlace = 1e-6;
-  if (world::isPlainAt(plan, along(ray.p_world, ray.direction(), range_m))) return std::nullopt;
-  const auto wall = world::findWall(plan, ray.p_world, ray.angle_rad);
+  if (rays::isPlainAt(plan, along(ray.p_world, ray.direction(), range_m))) return std::nullopt;
+  const auto wall = rays::findWall(plan, ray.p_world, ray.angle_rad);
   const bool is_met = wall && wall->distance_m <= range_m * (1 + kSamePlace) + kSamePlace;
   if (!is_met || wall->material == world::Material::kPlain) return std::nullopt;
   const bool starts_inside = wall->face_x == 0 && wall->face_y == 0;
@@ -41,11 +41,11 @@ std::optional<world::WallHit> specialWall(const world::Plan& plan, const LidarSe
 }
 
 /// The poses of a lidar at its beams; one when it stood still.
-std::vector<core::Pose2> beamPoses(const robot::LidarOptions& options, const core::Pose2& T_world_robot,
+std::vector<core::Pose2> beamPoses(const lidar::LidarOptions& options, const core::Pose2& T_world_robot,
                                    const RecentPath& path) {
-  const core::Pose2 T_robot_lidar = robot::trueMountingPose(options);
+  const core::Pose2 T_robot_lidar = lidar::trueMountingPose(options);
   const auto poseAtBeam = [&](int beam) {
-    const double ago_s = options.latency_s + robot::secondsBeforeLastBeam(options, beam);
+    const double ago_s = options.latency_s + lidar::secondsBeforeLastBeam(options, beam);
     return path.poseBefore(T_world_robot, ago_s) * T_robot_lidar;
   };
   std::vector<core::Pose2> poses;
@@ -65,16 +65,16 @@ core::Point2 LidarSensor::Ray::direction() const {
   return core::polar(1, angle_rad);
 }
 
-LidarSensor::LidarSensor(const robot::LidarOptions& options, std::uint64_t seed, const std::string& name)
+LidarSensor::LidarSensor(const lidar::LidarOptions& options, std::uint64_t seed, const std::string& name)
     : options_(options),
       random_(seed, name),
       mixed_random_(seed, name + " mixed"),
       glass_random_(seed, name + " glass") {
-  robot::requireSensible(options);
-  const int rays = options.beam_width_rad > 0 ? robot::kRaysPerBeam : 1;
+  lidar::requireSensible(options);
+  const int rays = options.beam_width_rad > 0 ? lidar::kRaysPerBeam : 1;
   for (int ray = 0; ray < rays; ++ray) {
-    const double offset_rad = rays > 1 ? robot::rayOffset(options, ray) : 0;
-    beams_.emplace_back(robot::firstAngle(options) + offset_rad, robot::beamStep(options), options.beams);
+    const double offset_rad = rays > 1 ? lidar::rayOffset(options, ray) : 0;
+    beams_.emplace_back(lidar::firstAngle(options) + offset_rad, lidar::beamStep(options), options.beams);
   }
 }
 
@@ -82,28 +82,28 @@ double LidarSensor::memory_s() const {
   return options_.latency_s + options_.sweep / options_.rate_hz;
 }
 
-robot::Scan LidarSensor::sense(const Scene& scene, const core::Pose2& T_world_robot, const RecentPath& path,
-                               double time_s) {
-  robot::Scan scan;
+lidar::Scan LidarSensor::sense(const movers::Scene& scene, const core::Pose2& T_world_robot,
+                               const RecentPath& path, double time_s) {
+  lidar::Scan scan;
   scan.time_s = time_s;
-  scan.first_angle_rad = robot::firstAngle(options_);
-  scan.step_rad = robot::beamStep(options_);
+  scan.first_angle_rad = lidar::firstAngle(options_);
+  scan.step_rad = lidar::beamStep(options_);
   scan.min_range_m = options_.min_range_m;
   scan.max_range_m = options_.max_range_m > 0 ? options_.max_range_m : diagonal(scene.plan());
-  scan.range_sigma_m = robot::statedSigma(options_);
-  scan.T_robot_lidar = robot::mountingPose(options_);
+  scan.range_sigma_m = lidar::statedSigma(options_);
+  scan.T_robot_lidar = lidar::mountingPose(options_);
   T_world_lidar_ = beamPoses(options_, T_world_robot, path);
   if (options_.beam_width_rad > 0)
     castWideBeams(scene, scan.ranges_m);
   else
     castBeams(scene, beams_[0], scan.ranges_m);
-  robot::applyLidarErrors(options_, random_, scan.ranges_m);
+  lidar::applyLidarErrors(options_, random_, scan.ranges_m);
   return scan;
 }
 
-void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_ranges_m) {
-  std::array<std::vector<float>, robot::kRaysPerBeam> rays_m;
-  for (int ray = 0; ray < robot::kRaysPerBeam; ++ray)
+void LidarSensor::castWideBeams(const movers::Scene& scene, std::vector<float>& out_ranges_m) {
+  std::array<std::vector<float>, lidar::kRaysPerBeam> rays_m;
+  for (int ray = 0; ray < lidar::kRaysPerBeam; ++ray)
     castBeams(scene, beams_[static_cast<size_t>(ray)], rays_m[static_cast<size_t>(ray)]);
   out_ranges_m.resize(rays_m[0].size());
   for (size_t beam = 0; beam < out_ranges_m.size(); ++beam) {
@@ -116,11 +116,11 @@ void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_rang
       mixes = mixed_random_.chance(options_.mixed_pixels);
       where = mixed_random_.uniform();
     }
-    out_ranges_m[beam] = static_cast<float>(robot::beamRange(ranges_m, mixes, where));
+    out_ranges_m[beam] = static_cast<float>(lidar::beamRange(ranges_m, mixes, where));
   }
 }
 
-void LidarSensor::castBeams(const Scene& scene, const world::BeamTable& beams,
+void LidarSensor::castBeams(const movers::Scene& scene, const rays::BeamTable& beams,
                             std::vector<float>& out_ranges_m) {
   const bool stood_still = T_world_lidar_.size() == 1;
   if (options_.ray == "original") return castOriginalBeams(scene, beams, out_ranges_m);
@@ -140,7 +140,7 @@ void LidarSensor::castBeams(const Scene& scene, const world::BeamTable& beams,
   }
 }
 
-void LidarSensor::castOriginalBeams(const Scene& scene, const world::BeamTable& beams,
+void LidarSensor::castOriginalBeams(const movers::Scene& scene, const rays::BeamTable& beams,
                                     std::vector<float>& out_ranges_m) const {
   out_ranges_m.resize(static_cast<size_t>(options_.beams));
   for (size_t beam = 0; beam < out_ranges_m.size(); ++beam) {
@@ -152,7 +152,7 @@ void LidarSensor::castOriginalBeams(const Scene& scene, const world::BeamTable& 
   }
 }
 
-double LidarSensor::followRay(const Scene& scene, Ray ray, double range_m) {
+double LidarSensor::followRay(const movers::Scene& scene, Ray ray, double range_m) {
   for (int turn = 0; turn < kMostTurns; ++turn) {
     if (std::isinf(range_m)) return kInfinity;
     const double way_m = ray.travelled_m + range_m;
@@ -171,18 +171,18 @@ double LidarSensor::followRay(const Scene& scene, Ray ray, double range_m) {
 }
 
 std::optional<LidarSensor::Ray> LidarSensor::sendOn(const world::Plan& plan, const Ray& ray,
-                                                    const world::WallHit& wall) {
+                                                    const rays::WallHit& wall) {
   constexpr double kLeastCosine = 0.01;
   const core::Point2 direction = ray.direction();
-  const auto [normal, steps_m] = world::surfaceAt(plan, wall);
+  const auto [normal, steps_m] = rays::surfaceAt(plan, wall);
   // The estimated plane of a wall off the axes may face away from a ray that grazes it.
   const double cosine = std::max(kLeastCosine, -(direction.x * normal.x + direction.y * normal.y));
   // So that rounding leaves no ray in the wall that it has just left.
   const double clearance_m = 1e-6 * plan.resolution_m;
   if (wall.material == world::Material::kGlass) {
     const double incidence_rad = core::acos(std::min(1.0, cosine));
-    if (glass_random_.chance(robot::glassEcho(options_, incidence_rad))) return std::nullopt;
-    if (!glass_random_.chance(robot::glassReflectance(options_, incidence_rad))) {
+    if (glass_random_.chance(lidar::glassEcho(options_, incidence_rad))) return std::nullopt;
+    if (!glass_random_.chance(lidar::glassReflectance(options_, incidence_rad))) {
       const double through_m = wall.leaves_m + clearance_m;
       return Ray{along(ray.p_world, direction, through_m), ray.angle_rad, ray.travelled_m + through_m};
     }

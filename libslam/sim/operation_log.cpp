@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::sim {
 namespace {
@@ -40,7 +40,7 @@ bool hasScans(const Operation& operation) {
 bool readNumbers(std::istringstream& words, std::vector<double>& numbers) {
   std::string word;
   for (double number = 0; words >> word; numbers.push_back(number))
-    if (!core::parseNumber(word, number)) return false;
+    if (!files::parseNumber(word, number)) return false;
   return true;
 }
 
@@ -98,7 +98,7 @@ std::string formatOperation(const Operation& operation) {
   std::string line(1, operation.kind);
   for (size_t i = 0; i < readings; ++i) {
     good = good && std::isfinite(values[i]);
-    line += ' ' + core::formatNumber(values[i]);
+    line += ' ' + files::formatNumber(values[i]);
   }
   if (!good)
     throw core::ContractError(

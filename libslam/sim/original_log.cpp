@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::sim {
 namespace {
@@ -37,7 +37,7 @@ class Lines {
     if (!next(line))
       throw core::InputError(name_ + ":" + std::to_string(number_) + ": the log ends here, expected " + what);
     double value = 0;
-    if (!core::parseNumber(line, value) || value != std::floor(value) || std::abs(value) > 1e9)
+    if (!files::parseNumber(line, value) || value != std::floor(value) || std::abs(value) > 1e9)
       throw fail(line, what);
     return value;
   }

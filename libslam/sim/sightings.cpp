@@ -1,7 +1,7 @@
 #include "libslam/sim/sightings.h"
 
 #include "libslam/core/elementary.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 
 namespace slam::sim {
 
@@ -15,7 +15,7 @@ std::vector<Sighting> sightings(const world::Plan& plan, const core::Pose2& T_wo
     const double distance_m = core::distance(here, there);
     const auto isHidden = [&] {
       const double angle_rad = core::atan2(there.y - here.y, there.x - here.x);
-      return world::castRay(plan, here, angle_rad, kMarkRange_m) < distance_m;
+      return rays::castRay(plan, here, angle_rad, kMarkRange_m) < distance_m;
     };
     if (distance_m > kMarkRange_m || (distance_m > kNearby_m && isHidden())) continue;
     seen.push_back({i, T_robot_world * there});

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/sim/carry_place.h"
 #include "libslam/sim/standing_room.h"
 
@@ -21,17 +21,17 @@ void requireValid(const robot::Command& command) {
     throw core::ContractError("Simulator::step: expected a finite command with a duration of at least 0");
 }
 
-std::optional<robot::Sweep> statedSweep(const robot::LidarOptions& lidar) {
+std::optional<lidar::Sweep> statedSweep(const lidar::LidarOptions& lidar) {
   if (!(lidar.sweep > 0)) return std::nullopt;
-  return robot::sweepOf(lidar);
+  return lidar::sweepOf(lidar);
 }
 
 }  // namespace
 
 Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
-                     const robot::LidarOptions& lidar, const robot::OdometryOptions& odometry,
+                     const lidar::LidarOptions& lidar, const robot::OdometryOptions& odometry,
                      const core::Pose2& start, std::uint64_t seed, double start_time_s,
-                     const LivingOptions& living, const std::optional<robot::FloorCamera>& camera)
+                     const movers::LivingOptions& living, const std::optional<robot::FloorCamera>& camera)
     : scene_(plan, living, seed, {core::position(start), robot::circumscribedRadius(robot)}),
       robot_(robot),
       lidar_(lidar, seed),
@@ -123,7 +123,7 @@ void Simulator::carryAt(const std::vector<CarryOrder>& orders) {
   for (const auto& order : orders) {
     if (order.where == CarryOrder::Where::kGiven)
       requireStandingRoom(scene_.planWithDoorsOpen(),
-                          order.origin + ": the place at " + core::formatNumber(order.time_s) + " s",
+                          order.origin + ": the place at " + files::formatNumber(order.time_s) + " s",
                           order.T_world_robot, radius_m);
     pending_carries_.push_back({std::llround(order.time_s * 1e9), order.T_world_robot, order.where});
   }
@@ -169,8 +169,8 @@ double Simulator::driveInLivingWorld(const robot::Command& command) {
     driven_s = freeDuration(command, driven_s, to_s);
     is_free = driven_s >= to_s;
   };
-  for (std::int64_t tick_ns = (elapsed_ns_ / kTick_ns + 1) * kTick_ns; tick_ns <= end_ns;
-       tick_ns += kTick_ns) {
+  for (std::int64_t tick_ns = (elapsed_ns_ / movers::kTick_ns + 1) * movers::kTick_ns; tick_ns <= end_ns;
+       tick_ns += movers::kTick_ns) {
     driveTo(std::min(command.duration_s, static_cast<double>(tick_ns - elapsed_ns_) * 1e-9));
     scene_.tick({core::position(T_world_robot_ * robot::driveMotion(command, driven_s)), radius_m});
   }

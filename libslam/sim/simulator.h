@@ -5,17 +5,17 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/robot/deskew.h"
+#include "libslam/lidar/deskew.h"
+#include "libslam/lidar/lidar.h"
+#include "libslam/lidar/scan.h"
+#include "libslam/movers/living.h"
+#include "libslam/movers/scene.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/lidar.h"
 #include "libslam/robot/odometer.h"
-#include "libslam/robot/scan.h"
 #include "libslam/sim/camera_sensor.h"
 #include "libslam/sim/carry.h"
 #include "libslam/sim/lidar_sensor.h"
-#include "libslam/sim/living.h"
 #include "libslam/sim/recent_path.h"
-#include "libslam/sim/scene.h"
 #include "libslam/world/plan.h"
 
 namespace slam::sim {
@@ -23,24 +23,24 @@ namespace slam::sim {
 /// A lidar beside the first one.
 struct NamedLidar {
   std::string label;  ///< of its scans, not "LASER", which is the first one's
-  robot::LidarOptions options;
+  lidar::LidarOptions options;
 };
 
 /// What another lidar than the first sees.
 struct OtherScan {
   std::string label;
-  robot::Scan scan;
-  std::optional<robot::Sweep> sweep;
+  lidar::Scan scan;
+  std::optional<lidar::Sweep> sweep;
 };
 
 /// What the robot senses after a command. Nothing of the truth is in it.
 struct Sensed {
-  robot::Scan scan;
+  lidar::Scan scan;
   core::Pose2 T_odom_robot;      ///< dead reckoning from the start
   core::Pose2 T_previous_robot;  ///< its last increment
   bool collided = false;         ///< the bumper: the command was cut short by an obstacle
-  std::optional<robot::Sweep> sweep =
-      {};  ///< of `scan`, where the lidar's beams are not all at once: robot::sweepOf()
+  std::optional<lidar::Sweep> sweep =
+      {};  ///< of `scan`, where the lidar's beams are not all at once: lidar::sweepOf()
   std::vector<OtherScan> others =
       {};  ///< of the lidars that were mounted beside the first, of the same moment
 };
@@ -68,7 +68,7 @@ struct Collision {
 /// from the new place, unless an obstacle has ended it. A place where a person stands or a door is shut just
 /// then is waited for: the robot is put down before the first command that finds it free.
 ///
-/// Errors: lidar options that contradict each other (robot::requireSensible()); start not finite, in a wall,
+/// Errors: lidar options that contradict each other (lidar::requireSensible()); start not finite, in a wall,
 /// outside the plan or nearer to either than the disc's radius (InputError naming the pose and the radius); a
 /// command that is not finite or has a negative duration (ContractError).
 class Simulator {
@@ -78,14 +78,14 @@ class Simulator {
   /// Keeps a reference to `plan`, which must outlive it and not change. `living`: what else moves; of it the
   /// visit is not the simulator's to know, `plan` is what this visit finds. `camera`: what looks in place of
   /// the lidar; of `lidar`, which should be robot::asLidar() then, nothing is used. Makes a
-  /// world::SectorCaster: some milliseconds per million cells, and 8 bytes per cell.
-  Simulator(const world::Plan& plan, const robot::RobotOptions& robot, const robot::LidarOptions& lidar,
+  /// rays::SectorCaster: some milliseconds per million cells, and 8 bytes per cell.
+  Simulator(const world::Plan& plan, const robot::RobotOptions& robot, const lidar::LidarOptions& lidar,
             const robot::OdometryOptions& odometry, const core::Pose2& start, std::uint64_t seed,
-            double start_time_s = kStartTime_s, const LivingOptions& living = {},
+            double start_time_s = kStartTime_s, const movers::LivingOptions& living = {},
             const std::optional<robot::FloorCamera>& camera = {});
-  Simulator(world::Plan&&, const robot::RobotOptions&, const robot::LidarOptions&,
+  Simulator(world::Plan&&, const robot::RobotOptions&, const lidar::LidarOptions&,
             const robot::OdometryOptions&, const core::Pose2&, std::uint64_t, double = 0,
-            const LivingOptions& = {}, const std::optional<robot::FloorCamera>& = {}) = delete;
+            const movers::LivingOptions& = {}, const std::optional<robot::FloorCamera>& = {}) = delete;
 
   /// Mounts one more lidar, which then looks whenever the first does (its own rate says only how long its
   /// sweep takes). Before the first look. Its random streams are of its label, so that the first one's noise
@@ -103,7 +103,7 @@ class Simulator {
   /// Where other robots stand from now on, world frame: they are met by rays and bumped into as people are,
   /// and stand still until told otherwise. Each robot of a team has a simulator of its own, and all are told
   /// of each other.
-  void setOthers(const std::vector<Disc>& robots) { scene_.setRobots(robots); }
+  void setOthers(const std::vector<movers::Disc>& robots) { scene_.setRobots(robots); }
 
   /// Has the robot kidnapped at the moments of `orders` (since the first scan; may be called once, before the
   /// first command). Errors: InputError for a place without room for the robot, as for the start.
@@ -114,7 +114,7 @@ class Simulator {
   double time_s() const;
   const core::Pose2& truth() const { return T_world_robot_; }  ///< for the recorder only
   const std::vector<Collision>& collisions() const { return collisions_; }
-  const Scene& scene() const { return scene_; }                   ///< likewise
+  const movers::Scene& scene() const { return scene_; }           ///< likewise
   const std::vector<Carry>& carries() const { return carries_; }  ///< that took place, in the order of time
   /// Orders that are not carried out yet.
   std::size_t waitingCarries() const { return pending_carries_.size(); }
@@ -139,15 +139,15 @@ class Simulator {
   /// The same over the whole command while the world goes on.
   double driveInLivingWorld(const robot::Command& command);
 
-  Scene scene_;
+  movers::Scene scene_;
   robot::RobotOptions robot_;
   struct MountedLidar {
     std::string label;
-    std::optional<robot::Sweep> sweep;
+    std::optional<lidar::Sweep> sweep;
     LidarSensor sensor;
   };
   LidarSensor lidar_;
-  std::optional<robot::Sweep> sweep_;  ///< of lidar_
+  std::optional<lidar::Sweep> sweep_;  ///< of lidar_
   std::vector<MountedLidar> others_;
   std::optional<CameraSensor> camera_;
   robot::Odometer odometer_;

@@ -8,10 +8,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
+#include "libslam/resources/ini_yaml.h"
 #include "libslam/stats/bootstrap.h"
 #include "libslam/stats/proportion.h"
 #include "libslam/stats/ranking.h"
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/sweep_groups.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -37,12 +38,13 @@ struct Drives {
   std::vector<std::size_t> settings;
 };
 
-Drives drivesOf(const SweepGroup& group, const sweep::SweepPlan& plan, const SweepResults& results) {
+Drives drivesOf(const summary::SweepGroup& group, const sweep::SweepPlan& plan,
+                const summary::SweepResults& results) {
   Drives drives;
   drives.values.resize(group.methods.size());
   for (std::size_t i = 0; i < group.methods.front().size(); ++i) {
     std::vector<double> of_drive;
-    for (const auto& runs : group.methods) of_drive.push_back(rankedValue(plan, results[runs[i]]));
+    for (const auto& runs : group.methods) of_drive.push_back(summary::rankedValue(plan, results[runs[i]]));
     if (std::any_of(of_drive.begin(), of_drive.end(), [](double v) { return std::isnan(v); })) continue;
     for (std::size_t m = 0; m < of_drive.size(); ++m) drives.values[m].push_back(of_drive[m]);
     if (!group.settings.empty()) drives.settings.push_back(group.settings[i]);
@@ -56,16 +58,16 @@ struct Failures {
 };
 
 Failures failuresOf(const std::vector<std::size_t>& runs, const sweep::SweepPlan& plan,
-                    const SweepResults& results) {
+                    const summary::SweepResults& results) {
   Failures failures;
   for (const auto run : runs) {
     if (!results[run]) continue;
     ++failures.runs;
-    if (!isFailed(plan, *results[run])) continue;
+    if (!summary::isFailed(plan, *results[run])) continue;
     if (failures.failed++ > 0) continue;
     const auto& result = *results[run];
     failures.first = result.status == "ok"
-                         ? "ended more than " + core::formatNumber(plan.failure_ate_m) + " m off"
+                         ? "ended more than " + files::formatNumber(plan.failure_ate_m) + " m off"
                          : result.status + (result.message.empty() ? "" : ": " + result.message);
   }
   return failures;
@@ -88,7 +90,7 @@ sweep::Suite contestSuite(const ContestRequest& request) {
   if (request.entries.size() < 2)
     throw core::InputError("contest: found " + std::to_string(request.entries.size()) +
                            " entries, expected two at least");
-  auto ini = core::IniFile::load(request.suite_path);
+  auto ini = resources::readConfigFile(request.suite_path);
   const auto suite_folder = fs::absolute(request.suite_path).lexically_normal().parent_path();
   std::string methods;
   for (const auto& entry : request.entries)
@@ -112,9 +114,9 @@ sweep::Suite contestSuite(const ContestRequest& request) {
   return sweep::readSuite(ini, request.suite_path, suite_folder.string());
 }
 
-Standings standingsOf(const sweep::SweepPlan& plan, const SweepResults& results) {
-  const auto names = methodNames(plan);
-  const auto group = groupsOf(plan, names).front();
+Standings standingsOf(const sweep::SweepPlan& plan, const summary::SweepResults& results) {
+  const auto names = summary::methodNames(plan);
+  const auto group = summary::groupsOf(plan, names).front();
   const auto drives = drivesOf(group, plan, results);
   Standings standings;
   auto& table = standings.table;
@@ -128,8 +130,8 @@ Standings standingsOf(const sweep::SweepPlan& plan, const SweepResults& results)
     return standings;
   }
   const auto ranking =
-      stats::rankingGroups(drives.values, betterOf(plan.metric), kAlpha, drives.settings).methods;
-  const auto decimals = figureColumn(plan.metric).decimals;
+      stats::rankingGroups(drives.values, summary::betterOf(plan.metric), kAlpha, drives.settings).methods;
+  const auto decimals = summary::figureColumn(plan.metric).decimals;
   std::vector<std::string> first, first_failures;
   for (std::size_t i = 0; i < ranking.size(); ++i) {
     const auto& ranked = ranking[i];
@@ -139,7 +141,7 @@ Standings standingsOf(const sweep::SweepPlan& plan, const SweepResults& results)
     const bool shares_first = shareALetter(ranked.letters, ranking.front().letters);
     if (shares_first) first.push_back(names[ranked.method]);
     table.rows.push_back({shares_first ? std::string("1") : std::to_string(i + 1), names[ranked.method],
-                          withInterval(median, decimals), ranked.mean_rank,
+                          summary::withInterval(median, decimals), ranked.mean_rank,
                           std::to_string(failures.failed) + " of " + std::to_string(failures.runs),
                           ranked.letters});
     if (!failures.first.empty())

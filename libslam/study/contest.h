@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/study/run_figures.h"
+#include "libslam/summary/run_figures.h"
 #include "libslam/sweep/suite.h"
 #include "libslam/table/table.h"
 
@@ -36,6 +36,6 @@ struct Standings {
 /// within each setting), what went wrong in the first run that failed. Entries whose groups overlap with the
 /// best one's share the first place. A failed run is worse than any other. results[i] is of plan.runs[i];
 /// drives in which a run is missing do not count. The same bytes for the same results.
-Standings standingsOf(const sweep::SweepPlan& plan, const SweepResults& results);
+Standings standingsOf(const sweep::SweepPlan& plan, const summary::SweepResults& results);
 
 }  // namespace slam::study

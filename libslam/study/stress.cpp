@@ -7,13 +7,14 @@
 
 #include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
-#include "libslam/core/word_list.h"
+#include "libslam/files/word_list.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/stats/bootstrap.h"
 #include "libslam/stats/proportion.h"
 #include "libslam/study/stress_charts.h"
-#include "libslam/study/sweep_groups.h"
 #include "libslam/study/value_range.h"
+#include "libslam/summary/sweep_groups.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -25,13 +26,13 @@ constexpr int kResamples = 2000;
 constexpr const char* kVary = "--vary";
 const std::string kWorldPrefix = "world.";
 
-std::string valueOf(const core::IniFile& ini, const std::string& key) {
+std::string valueOf(const files::IniFile& ini, const std::string& key) {
   const auto* entry = ini.find("suite", key);
   return entry ? entry->value : "";
 }
 
-core::IniFile suiteOfWorld(const std::string& world) {
-  core::IniFile ini;
+files::IniFile suiteOfWorld(const std::string& world) {
+  files::IniFile ini;
   ini.set("suite", "worlds", world, world);
   ini.set("suite", "methods", "graph, icp_exact", "built-in");
   ini.set("suite", "seeds", "1..5", "built-in");
@@ -44,7 +45,7 @@ core::IniFile suiteOfWorld(const std::string& world) {
 /// is none.
 bool takesWholeNumbers(const std::string& key) {
   std::vector<std::string> known;
-  for (const auto& parameter : record::readRecordConfig(core::IniFile()).parameters) {
+  for (const auto& parameter : record::readRecordConfig(files::IniFile()).parameters) {
     const std::string name = parameter.section + "." + parameter.info.key;
     if (std::holds_alternative<int>(parameter.info.default_value)) {
       if (name == key) return true;
@@ -70,20 +71,20 @@ void requireBuildingKey(const std::string& key) {
 }
 
 /// Section [world ...] of an entry of the list of worlds, for generateWorld().
-std::map<std::string, core::IniFile::Entry> generatedWorld(const core::IniFile& ini,
-                                                           const std::string& entry) {
+std::map<std::string, files::IniFile::Entry> generatedWorld(const files::IniFile& ini,
+                                                            const std::string& entry) {
   const auto section = ini.sections().find("world " + entry);
-  std::map<std::string, core::IniFile::Entry> keys;
+  std::map<std::string, files::IniFile::Entry> keys;
   if (section != ini.sections().end()) {
     keys = section->second;
   } else if (entry.find(':') != std::string::npos) {
-    const auto parts = core::splitAt(entry, ':');
+    const auto parts = files::splitAt(entry, ':');
     keys["kind"] = {parts.front(), entry};
     for (std::size_t i = 1; i < parts.size(); ++i) {
       const auto equals = parts[i].find('=');
       if (equals == std::string::npos)
         throw core::InputError("found '" + entry + "', expected KIND:key=value:key=value");
-      keys[core::trimmed(parts[i].substr(0, equals))] = {core::trimmed(parts[i].substr(equals + 1)), entry};
+      keys[files::trimmed(parts[i].substr(0, equals))] = {files::trimmed(parts[i].substr(equals + 1)), entry};
     }
   }
   std::vector<std::string> kinds;
@@ -95,19 +96,19 @@ std::map<std::string, core::IniFile::Entry> generatedWorld(const core::IniFile& 
   return keys;
 }
 
-void varyWorlds(core::IniFile& ini, const std::string& key, StressSuite& stress) {
-  core::IniFile varied;
+void varyWorlds(files::IniFile& ini, const std::string& key, StressSuite& stress) {
+  files::IniFile varied;
   std::string list;
-  const auto worlds = core::splitAt(valueOf(ini, "worlds"), ',');
+  const auto worlds = files::splitAt(valueOf(ini, "worlds"), ',');
   for (const auto& [section, entries] : ini.sections())
     if (section.compare(0, 6, "world ") != 0)
       for (const auto& [name, entry] : entries) varied.set(section, name, entry.value, entry.origin);
   for (const auto& world : worlds) {
     auto keys = generatedWorld(ini, world);
     for (std::size_t i = 0; i < stress.values.size(); ++i) {
-      std::string name = world + " " + key + "=" + core::formatNumber(stress.values[i]);
+      std::string name = world + " " + key + "=" + files::formatNumber(stress.values[i]);
       std::replace(name.begin(), name.end(), ':', ' ');
-      keys[key] = {core::formatNumber(stress.values[i]), kVary};
+      keys[key] = {files::formatNumber(stress.values[i]), kVary};
       for (const auto& [own, entry] : keys) varied.set("world " + name, own, entry.value, entry.origin);
       stress.names[i].insert(name);
       list += (list.empty() ? "" : ", ") + name;
@@ -117,14 +118,14 @@ void varyWorlds(core::IniFile& ini, const std::string& key, StressSuite& stress)
   ini = std::move(varied);
 }
 
-void varySimulation(core::IniFile& ini, StressSuite& stress) {
+void varySimulation(files::IniFile& ini, StressSuite& stress) {
   const auto faults = valueOf(ini, "faults");
   if (!faults.empty() && faults != "built-in")
     throw core::InputError(ini.find("suite", "faults")->origin + ": found faults '" + faults +
                            "', expected none beside --vary, whose values take their place");
   std::string list;
   for (std::size_t i = 0; i < stress.values.size(); ++i) {
-    const std::string value = core::formatNumber(stress.values[i]);
+    const std::string value = files::formatNumber(stress.values[i]);
     const std::string name = stress.key + "=" + value;
     ini.set("fault " + name, stress.key, value, kVary);
     stress.names[i].insert(name);
@@ -146,7 +147,7 @@ struct Point {
   }
 };
 
-Point pointOf(const sweep::SweepPlan& plan, const SweepResults& results,
+Point pointOf(const sweep::SweepPlan& plan, const summary::SweepResults& results,
               const std::vector<std::size_t>& runs) {
   Point point;
   std::vector<double> errors;
@@ -154,21 +155,22 @@ Point pointOf(const sweep::SweepPlan& plan, const SweepResults& results,
   for (const auto run : runs) {
     if (!results[run]) continue;
     ++point.runs;
-    point.failed += isFailed(plan, *results[run]) ? 1 : 0;
-    if (const double error = rankedValue(plan, results[run]); !std::isnan(error))
+    point.failed += summary::isFailed(plan, *results[run]) ? 1 : 0;
+    if (const double error = summary::rankedValue(plan, results[run]); !std::isnan(error))
       errors.push_back(error), with_error.push_back(run);
   }
   point.failure_interval = stats::clopperPearson(point.failed, point.runs);
   if (point.runs > 0)
     point.failure_rate = static_cast<double>(point.failed) / static_cast<double>(point.runs);
   if (!errors.empty())
-    point.error = stats::bootstrapMedian(errors, {0.95, 1, kResamples, settingsOf(plan, with_error)});
+    point.error =
+        stats::bootstrapMedian(errors, {0.95, 1, kResamples, summary::settingsOf(plan, with_error)});
   return point;
 }
 
 std::string listOf(const std::vector<double>& values) {
   std::string text;
-  for (const double value : values) text += (text.empty() ? "" : ", ") + core::formatNumber(value);
+  for (const double value : values) text += (text.empty() ? "" : ", ") + files::formatNumber(value);
   return text;
 }
 
@@ -179,7 +181,7 @@ std::string unprovenText(const std::vector<double>& values, const std::vector<Po
   for (std::size_t i = 0; i < values.size(); ++i)
     if (points[i].failed > 0 && !points[i].isBroken(limits))
       text += (text.empty() ? "" : ", ") + std::to_string(points[i].failed) + " of " +
-              std::to_string(points[i].runs) + " at " + core::formatNumber(values[i]);
+              std::to_string(points[i].runs) + " at " + files::formatNumber(values[i]);
   return text;
 }
 
@@ -193,7 +195,7 @@ std::string textOf(const std::vector<double>& values, const std::vector<Point>& 
   while (below < count && is_broken[below]) ++below;
   while (above < count && is_broken[count - 1 - above]) ++above;
   if (below == count) return "broken everywhere";
-  const auto number = [&](std::size_t i) { return core::formatNumber(values[i]); };
+  const auto number = [&](std::size_t i) { return files::formatNumber(values[i]); };
   std::string text;
   if (below > 0) text = "breaks at " + number(below - 1) + " and below (holds at " + number(below) + ")";
   if (above > 0)
@@ -217,7 +219,8 @@ RunsByValue runsByValue(const StressSuite& suite, const sweep::SweepPlan& plan,
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     const auto& log = plan.logs[plan.runs[i].log];
     const auto& name = suite.is_of_world ? log.world : log.fault;
-    const auto method = std::find(methods.begin(), methods.end(), fullName(plan.runs[i])) - methods.begin();
+    const auto method =
+        std::find(methods.begin(), methods.end(), summary::fullName(plan.runs[i])) - methods.begin();
     for (std::size_t v = 0; v < suite.values.size(); ++v)
       if (suite.names[v].count(name)) runs[v][static_cast<std::size_t>(method)].push_back(i);
   }
@@ -248,9 +251,9 @@ void addPoint(const std::string& varied, double value, const Point& point, const
   const std::string word = point.runs == 0 ? "-" : (is_broken ? "yes" : "no");
   if (is_broken) breaks.broken.push_back(value);
   if (point.runs == 0) breaks.unknown.push_back(value);
-  result.main.rows.push_back({core::formatNumber(value), breaks.method, static_cast<double>(point.runs),
-                              withInterval({point.failure_rate, point.failure_interval}, 2),
-                              withInterval(point.error, 3), word});
+  result.main.rows.push_back({files::formatNumber(value), breaks.method, static_cast<double>(point.runs),
+                              summary::withInterval({point.failure_rate, point.failure_interval}, 2),
+                              summary::withInterval(point.error, 3), word});
   const double low = point.error.interval ? point.error.interval->low : kNan;
   const double high = point.error.interval ? point.error.interval->high : kNan;
   result.all.rows.push_back({varied, value, breaks.method, static_cast<double>(point.runs),
@@ -262,12 +265,12 @@ void addPoint(const std::string& varied, double value, const Point& point, const
 /// What is called broken, and what failed.
 std::string ruleText(const sweep::SweepPlan& plan, const StressLimits& limits) {
   std::string rule =
-      "Broken: the 95 % interval of the failure rate lies above " + core::formatNumber(limits.failure_rate);
+      "Broken: the 95 % interval of the failure rate lies above " + files::formatNumber(limits.failure_rate);
   if (limits.error > 0)
-    rule += ", or that of the median " + plan.metric + " above " + core::formatNumber(limits.error);
+    rule += ", or that of the median " + plan.metric + " above " + files::formatNumber(limits.error);
   rule += "; what the seeds do not prove is not called broken. Failed: not ok";
   if (plan.failure_ate_m > 0)
-    rule += ", or more than " + core::formatNumber(plan.failure_ate_m) + " m off in the final path";
+    rule += ", or more than " + files::formatNumber(plan.failure_ate_m) + " m off in the final path";
   return rule + ".";
 }
 
@@ -279,7 +282,7 @@ StressSuite stressSuite(const StressRequest& request) {
     throw core::InputError(std::string(kVary) + ": found '" + request.vary +
                            "', expected KEY=VALUES, such as lidar.fov_deg=30..360:6");
   StressSuite stress;
-  stress.key = core::trimmed(request.vary.substr(0, equals));
+  stress.key = files::trimmed(request.vary.substr(0, equals));
   stress.is_of_world = stress.key.compare(0, kWorldPrefix.size(), kWorldPrefix) == 0;
   const std::string building_key = stress.is_of_world ? stress.key.substr(kWorldPrefix.size()) : "";
   if (stress.is_of_world) requireBuildingKey(building_key);
@@ -289,7 +292,7 @@ StressSuite stressSuite(const StressRequest& request) {
   stress.names.resize(stress.values.size());
 
   const bool is_suite = sweep::isSuiteFile(request.ground);
-  auto ini = is_suite ? core::IniFile::load(request.ground) : suiteOfWorld(request.ground);
+  auto ini = is_suite ? resources::readConfigFile(request.ground) : suiteOfWorld(request.ground);
   if (!request.methods.empty()) {
     ini.set("suite", "methods", request.methods, "--methods");
     ini.set("suite", "baseline", "", "--methods");
@@ -310,11 +313,11 @@ StressSuite stressSuite(const StressRequest& request) {
   return stress;
 }
 
-StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan, const SweepResults& results,
-                    const StressLimits& limits) {
-  if (limits.error > 0 && betterOf(plan.metric) == stats::Better::kLarger)
+StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan,
+                    const summary::SweepResults& results, const StressLimits& limits) {
+  if (limits.error > 0 && summary::betterOf(plan.metric) == stats::Better::kLarger)
     throw core::InputError("an error limit needs a metric of which less is better, found " + plan.metric);
-  const auto methods = methodNames(plan);
+  const auto methods = summary::methodNames(plan);
   const RunsByValue runs = runsByValue(suite, plan, methods);
   StressResult result = emptyResult(suite.key, plan.metric);
   std::vector<std::vector<Point>> points(methods.size());

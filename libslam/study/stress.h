@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
 #include "libslam/draw/curves.h"
-#include "libslam/study/run_figures.h"
+#include "libslam/files/ini.h"
+#include "libslam/summary/run_figures.h"
 #include "libslam/sweep/suite.h"
 #include "libslam/sweep/sweep_plan.h"
 #include "libslam/table/table.h"
@@ -18,7 +18,7 @@ struct StressRequest {
   std::string vary;    ///< KEY=VALUES as readValueRange() reads them: "lidar.fov_deg=30..360:6"
   std::string methods,
       seeds;  ///< in place of the suite's; ""  = the suite's (for a world: graph, icp_exact; 1..5)
-  core::IniFile settings;  ///< of the simulation, over the suite's own sections
+  files::IniFile settings;  ///< of the simulation, over the suite's own sections
 };
 
 /// A suite in which one parameter takes several values, and where each stands.
@@ -70,7 +70,7 @@ struct StressResult {
 /// settingsOf()) and the seeds. A failed run counts as worse than any other
 /// (rankedValue()). results[i] is of plan.runs[i]. REQUIRES a metric of which less is better for an error
 /// limit (InputError). The same bytes for the same results.
-StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan, const SweepResults& results,
-                    const StressLimits& limits);
+StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan,
+                    const summary::SweepResults& results, const StressLimits& limits);
 
 }  // namespace slam::study

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "libslam/score/metric_infos.h"
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/sweep_groups.h"
 
 namespace slam::study {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::string cellOf(const sweep::PlannedRun& run, const sweep::PlannedLog& log) {
-  std::string text = fullName(run) + " on " + log.world;
+  std::string text = summary::fullName(run) + " on " + log.world;
   const std::pair<const char*, const std::string*> others[] = {{"robot", &log.robot},
                                                                {"lidar", &log.lidar},
                                                                {"odometry", &log.odometry},
@@ -28,7 +28,7 @@ std::string cellOf(const sweep::PlannedRun& run, const sweep::PlannedLog& log) {
 /// Those of figureKeys() of which one direction is better.
 std::vector<std::pair<std::string, stats::Better>> judgedFigures() {
   std::vector<std::pair<std::string, stats::Better>> list;
-  for (const auto& key : figureKeys()) {
+  for (const auto& key : summary::figureKeys()) {
     const auto& infos = score::metricInfos();
     const auto info =
         std::find_if(infos.begin(), infos.end(), [&](const score::MetricInfo& i) { return i.key == key; });
@@ -42,7 +42,7 @@ std::vector<std::pair<std::string, stats::Better>> judgedFigures() {
 
 }  // namespace
 
-std::vector<score::Score> scoresOf(const sweep::SweepPlan& plan, const SweepResults& results) {
+std::vector<score::Score> scoresOf(const sweep::SweepPlan& plan, const summary::SweepResults& results) {
   std::vector<std::string> cells;  // in the order of the plan
   std::map<std::string, std::vector<std::size_t>> runs_of_cell;
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
@@ -59,18 +59,19 @@ std::vector<score::Score> scoresOf(const sweep::SweepPlan& plan, const SweepResu
       for (const auto run : runs_of_cell.at(cell)) {
         const auto& result = results[run];
         score.seeds.push_back(plan.runs[run].seed);
-        score.values.push_back(!result                   ? kNan
-                               : isFailed(plan, *result) ? stats::failedValue(better)
-                                                         : figureOf(*result, metric));
+        score.values.push_back(!result                            ? kNan
+                               : summary::isFailed(plan, *result) ? stats::failedValue(better)
+                                                                  : summary::figureOf(*result, metric));
       }
       scores.push_back(std::move(score));
     }
   return scores;
 }
 
-std::vector<score::Score> summaryScoresOf(const sweep::SweepPlan& plan, const SweepResults& results) {
+std::vector<score::Score> summaryScoresOf(const sweep::SweepPlan& plan,
+                                          const summary::SweepResults& results) {
   auto scores = scoresOf(plan, results);
-  const auto keys = summaryKeys(plan);
+  const auto keys = summary::summaryKeys(plan);
   scores.erase(std::remove_if(scores.begin(), scores.end(),
                               [&](const score::Score& score) {
                                 return std::find(keys.begin(), keys.end(), score.metric) == keys.end();

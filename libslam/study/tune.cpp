@@ -7,16 +7,17 @@
 #include <numeric>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/ini_text.h"
-#include "libslam/core/resources.h"
-#include "libslam/core/word_list.h"
+#include "libslam/files/files.h"
+#include "libslam/files/ini_text.h"
+#include "libslam/files/word_list.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/stats/paired.h"
 #include "libslam/stats/ranking.h"
-#include "libslam/study/run_figures.h"
-#include "libslam/study/sweep_groups.h"
-#include "libslam/study/sweep_merge.h"
+#include "libslam/summary/run_figures.h"
+#include "libslam/summary/sweep_groups.h"
+#include "libslam/summary/sweep_merge.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/sweep/sweep.h"
 
@@ -41,10 +42,10 @@ struct Candidate {
 
 class Tuner {
  public:
-  Tuner(const TuneRequest& request, const core::Manifest& manifest, core::Progress& progress)
+  Tuner(const TuneRequest& request, const resources::Manifest& manifest, core::Progress& progress)
       : request_(request), manifest_(manifest), progress_(progress) {
-    ini_ = core::IniFile::load(request.suite_path);
-    core::readParameters(ini_, TuneOptions::table(), options_);
+    ini_ = resources::readConfigFile(request.suite_path);
+    files::readParameters(ini_, TuneOptions::table(), options_);
     train_ = worldsOf("train", options_.train);
     hold_out_ = worldsOf("hold_out", options_.hold_out);
     for (const auto& world : train_)
@@ -86,9 +87,9 @@ class Tuner {
   }
 
   std::vector<std::string> worldsOf(const std::string& key, const std::string& list) const {
-    auto worlds = core::splitAt(list, ',');
+    auto worlds = files::splitAt(list, ',');
     const auto* all = ini_.find("suite", "worlds");
-    const auto known = all ? core::splitAt(all->value, ',') : std::vector<std::string>();
+    const auto known = all ? files::splitAt(all->value, ',') : std::vector<std::string>();
     if (worlds.empty())
       throw core::InputError(placeOf(key) + ": names no world, expected some of [suite] worlds");
     for (const auto& world : worlds)
@@ -99,15 +100,15 @@ class Tuner {
   }
 
   void readParameterRanges() {
-    core::IniFile source = ini_;
+    files::IniFile source = ini_;
     if (!ini_.hasSection(kParameters)) {
       const std::string shipped =
-          core::configsFolder() + "/tune/" + fs::path(request_.method).stem().string() + ".ini";
+          resources::configsFolder() + "/tune/" + fs::path(request_.method).stem().string() + ".ini";
       if (!fs::exists(shipped))
         throw core::InputError(request_.suite_path + ": has no section [" + kParameters +
                                "], and no ranges come with the program for " + request_.method);
-      source = core::IniFile::load(shipped);
-      core::rejectUnknownSections(source, {kParameters});
+      source = resources::readConfigFile(shipped);
+      files::rejectUnknownSections(source, {kParameters});
     }
     const auto section = source.sections().find(kParameters);
     if (section == source.sections().end() || section->second.empty())
@@ -136,7 +137,7 @@ class Tuner {
   /// The suite with these candidates as its methods.
   sweep::Sweep planOf(const std::vector<Candidate>& candidates, const std::vector<std::string>& worlds,
                       const std::string& seeds) const {
-    core::IniFile ini;
+    files::IniFile ini;
     for (const auto& [section, entries] : ini_.sections()) {
       const auto blank = section.find(' ');
       const std::string kind = section.substr(0, blank);
@@ -144,7 +145,8 @@ class Tuner {
         continue;
       if (kind == "world" && !std::count(worlds.begin(), worlds.end(), section.substr(blank + 1))) continue;
       // A section without keys is a setting, too: wheels as they are built in.
-      if (entries.empty()) ini.overrideWith(core::IniFile::parse("[" + section + "]\n", request_.suite_path));
+      if (entries.empty())
+        ini.overrideWith(files::IniFile::parse("[" + section + "]\n", request_.suite_path));
       for (const auto& [key, entry] : entries) ini.set(section, key, entry.value, entry.origin);
     }
     const auto set = [&](const char* key, const std::string& value) {
@@ -186,20 +188,20 @@ class Tuner {
 
   /// By method, one per log and seed. What is missing counts as failed.
   static std::vector<std::vector<double>> valuesOf(const sweep::SweepPlan& plan,
-                                                   const SweepResults& results) {
-    const auto names = methodNames(plan);
+                                                   const summary::SweepResults& results) {
+    const auto names = summary::methodNames(plan);
     std::vector<std::vector<double>> values(names.size());
     for (std::size_t i = 0; i < plan.runs.size(); ++i) {
-      const double value = rankedValue(plan, results[i]);
-      const auto m = std::find(names.begin(), names.end(), fullName(plan.runs[i])) - names.begin();
+      const double value = summary::rankedValue(plan, results[i]);
+      const auto m = std::find(names.begin(), names.end(), summary::fullName(plan.runs[i])) - names.begin();
       values[static_cast<std::size_t>(m)].push_back(
-          std::isnan(value) ? stats::failedValue(betterOf(plan.metric)) : value);
+          std::isnan(value) ? stats::failedValue(summary::betterOf(plan.metric)) : value);
     }
     return values;
   }
 
-  SweepResults resultsOf(const sweep::SweepPlan& plan, const std::string& name) const {
-    SweepResults results;
+  summary::SweepResults resultsOf(const sweep::SweepPlan& plan, const std::string& name) const {
+    summary::SweepResults results;
     for (const auto& run : plan.runs) {
       auto cell = sweep::readCell(request_.output + "/" + name + "/cells/" + run.id, run.id);
       if (cell.kind == sweep::CellState::kComplete)
@@ -218,7 +220,7 @@ class Tuner {
     const auto plan = planOf(here, train_, seedsText(1, seeds));
     work(plan, "training", is_first);
     const auto values = valuesOf(plan.plan, resultsOf(plan.plan, "training"));
-    const auto ranks = stats::meanRanks(values, betterOf(metric_));
+    const auto ranks = stats::meanRanks(values, summary::betterOf(metric_));
     for (std::size_t i = 0; i < alive.size(); ++i) candidates_[alive[i]].mean_ranks.push_back(ranks[i]);
     // Of equals the default, then the one drawn first.
     std::stable_sort(alive.begin(), alive.end(), [&](std::size_t a, std::size_t b) {
@@ -271,12 +273,12 @@ class Tuner {
   }
 
   std::string textOf(const Candidate& candidate) const {
-    core::IniFile config = mapping::loadMethodConfig(core::configsFolder() + "/methods", method_);
+    files::IniFile config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", method_);
     for (std::size_t k = 0; k < candidate.values.size(); ++k) {
       const auto dot = keys_[k].find('.');
       config.set(keys_[k].substr(0, dot), keys_[k].substr(dot + 1), candidate.values[k], "tune");
     }
-    return core::toText(config);
+    return files::toText(config);
   }
 
   /// finalists: the best in training first.
@@ -295,13 +297,13 @@ class Tuner {
     const auto plan = planOf(judged, hold_out_, seeds);
     work(plan, "held_out", true);
     const std::string folder = request_.output + "/held_out";
-    MergeRequest whole;
+    summary::MergeRequest whole;
     whole.folders = {folder};
     whole.output = folder;
-    const auto merged = mergeSweep(whole, manifest_, core::silentProgress());
+    const auto merged = summary::mergeSweep(whole, manifest_, core::silentProgress());
     result.held_out = merged.summary;
     const auto values = valuesOf(merged.plan, merged.results);
-    const auto verdict = heldOutVerdict(values, betterOf(metric_), settingsOfLogs(merged.plan));
+    const auto verdict = heldOutVerdict(values, summary::betterOf(metric_), settingsOfLogs(merged.plan));
     const Candidate& chosen = judged[verdict.method];
     tuned_text_ = textOf(chosen);
     result.is_better = verdict.is_better;
@@ -311,9 +313,9 @@ class Tuner {
          : verdict.is_worse ? "worse than the default: keep the default"
                             : "not to be told from the default: keep the default") +
         " on the held-out worlds (" + metric_ + ", better on " +
-        core::formatNumber(std::round(verdict.share * 1000) / 10) + " % of " +
+        files::formatNumber(std::round(verdict.share * 1000) / 10) + " % of " +
         std::to_string(values[0].size()) +
-        " logs, signed-rank p = " + core::formatNumber(std::round(verdict.p * 1e4) / 1e4) +
+        " logs, signed-rank p = " + files::formatNumber(std::round(verdict.p * 1e4) / 1e4) +
         (judged.size() > 2 ? " by Holm's method, best of " + std::to_string(judged.size() - 1) : "") + ").";
   }
 
@@ -321,22 +323,22 @@ class Tuner {
   static std::vector<std::size_t> settingsOfLogs(const sweep::SweepPlan& plan) {
     std::vector<std::size_t> runs;
     for (std::size_t i = 0; i < plan.runs.size(); ++i)
-      if (fullName(plan.runs[i]) == fullName(plan.runs.front())) runs.push_back(i);
-    return settingsOf(plan, runs);
+      if (summary::fullName(plan.runs[i]) == summary::fullName(plan.runs.front())) runs.push_back(i);
+    return summary::settingsOf(plan, runs);
   }
 
   void write(TuneResult& result) const {
     const auto writeTable = [&](const table::Table& table, const std::string& name) {
       const std::string stem = request_.output + "/" + name;
-      core::writeFileAtomically(stem + ".txt", table::toText(table));
-      core::writeFileAtomically(stem + ".csv", table::toCsv(table));
-      core::writeFileAtomically(stem + ".json", table::toJson(table));
+      files::writeFileAtomically(stem + ".txt", table::toText(table));
+      files::writeFileAtomically(stem + ".csv", table::toCsv(table));
+      files::writeFileAtomically(stem + ".json", table::toJson(table));
     };
     writeTable(result.candidates, "candidates");
     writeTable(result.sensitivity, "sensitivity");
-    core::writeFileAtomically(request_.output + "/verdict.txt", result.verdict + "\n");
+    files::writeFileAtomically(request_.output + "/verdict.txt", result.verdict + "\n");
     result.tuned_path = request_.output + "/" + fs::path(request_.method).stem().string() + "_tuned.ini";
-    core::writeFileAtomically(
+    files::writeFileAtomically(
         result.tuned_path,
         "# " + request_.method + " tuned on " + fs::path(request_.suite_path).filename().string() +
             " (worlds " + options_.train + "), budget " + std::to_string(request_.budget) + " runs, seed " +
@@ -344,9 +346,9 @@ class Tuner {
   }
 
   const TuneRequest& request_;
-  const core::Manifest& manifest_;
+  const resources::Manifest& manifest_;
   core::Progress& progress_;
-  core::IniFile ini_;
+  files::IniFile ini_;
   TuneOptions options_;
   std::vector<std::string> train_, hold_out_, keys_, lost_;
   std::vector<ValueRange> ranges_;
@@ -356,9 +358,9 @@ class Tuner {
 
 }  // namespace
 
-const core::ParameterTable<TuneOptions>& TuneOptions::table() {
+const files::ParameterTable<TuneOptions>& TuneOptions::table() {
   using O = TuneOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "tune", {{"train", &O::train, "", {}, "worlds of [suite] to tune on"},
                {"hold_out", &O::hold_out, "", {}, "worlds of [suite] to judge the result on"},
                {"hold_out_seeds", &O::hold_out_seeds, 10, 2, 10000, "seeds there"},
@@ -371,7 +373,7 @@ TuneOptions::TuneOptions() {
   table().setDefaults(*this);
 }
 
-TuneResult tune(const TuneRequest& request, const core::Manifest& manifest, core::Progress& progress) {
+TuneResult tune(const TuneRequest& request, const resources::Manifest& manifest, core::Progress& progress) {
   return Tuner(request, manifest, progress).run();
 }
 

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/core/manifest.h"
-#include "libslam/core/parameters.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/parameters.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/study/tune_statistics.h"
 #include "libslam/table/table.h"
 
@@ -18,7 +18,7 @@ struct TuneOptions {
   std::string train, hold_out;
   int hold_out_seeds, reduction;
   TuneOptions();
-  static const core::ParameterTable<TuneOptions>& table();
+  static const files::ParameterTable<TuneOptions>& table();
 };
 
 struct TuneRequest {
@@ -60,6 +60,6 @@ struct TuneResult {
 /// Same suite, budget, seed and code: the same bytes (but for cost and manifests); --resume goes on. Errors:
 /// InputError (no or unknown worlds in [tune], a world on both sides, no parameters, a budget that is too
 /// small), IoError, Interrupted.
-TuneResult tune(const TuneRequest& request, const core::Manifest& manifest, core::Progress& progress);
+TuneResult tune(const TuneRequest& request, const resources::Manifest& manifest, core::Progress& progress);
 
 }  // namespace slam::study

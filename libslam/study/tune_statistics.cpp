@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/stats/explained_variance.h"
 #include "libslam/stats/multiple_tests.h"
 
@@ -94,7 +94,7 @@ std::vector<Sensitivity> sensitivities(const std::vector<std::string>& keys,
         groups.push_back(
             static_cast<std::size_t>(std::find(list.begin(), list.end(), setting[k]) - list.begin()));
         double number = 0;
-        core::parseNumber(setting[k], number);
+        files::parseNumber(setting[k], number);
         numbers.push_back(number);
       }
       if (ranges[k].list.empty()) groups = thirdsOf(numbers);
@@ -110,7 +110,7 @@ std::vector<Sensitivity> sensitivities(const std::vector<std::string>& keys,
             sum += scores[c], ++count, low = std::min(low, numbers[c]), high = std::max(high, numbers[c]);
         if (sum / count >= best) continue;
         best = sum / count;
-        of.best = ranges[k].list.empty() ? core::formatNumber(low) + ".." + core::formatNumber(high)
+        of.best = ranges[k].list.empty() ? files::formatNumber(low) + ".." + files::formatNumber(high)
                                          : ranges[k].list[group];
       }
     }

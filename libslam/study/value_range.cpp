@@ -7,9 +7,9 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/ini.h"
-#include "libslam/core/parameters.h"
-#include "libslam/core/word_list.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
+#include "libslam/files/word_list.h"
 
 namespace slam::study {
 namespace {
@@ -41,14 +41,14 @@ ValueRange readValueRange(const std::string& text, const std::string& place) {
   ValueRange range;
   const auto dots = text.find("..");
   if (dots == std::string::npos) {
-    range.list = core::splitAt(text, ',');
+    range.list = files::splitAt(text, ',');
     if (range.list.empty() || std::count(range.list.begin(), range.list.end(), "") > 0)
       throw refuse("low..high, low..high:steps, low..high:log or a list a, b, c");
     return range;
   }
-  const auto parts = core::splitAt(text.substr(dots + 2), ':');
-  const std::string low = core::trimmed(text.substr(0, dots));
-  if (parts.empty() || !core::parseNumber(low, range.low) || !core::parseNumber(parts[0], range.high))
+  const auto parts = files::splitAt(text.substr(dots + 2), ':');
+  const std::string low = files::trimmed(text.substr(0, dots));
+  if (parts.empty() || !files::parseNumber(low, range.low) || !files::parseNumber(parts[0], range.high))
     throw refuse("two numbers low..high");
   if (!(range.high > range.low)) throw refuse("low..high with high above low");
   range.is_whole = isWholeText(low) && isWholeText(parts[0]);
@@ -56,7 +56,7 @@ ValueRange readValueRange(const std::string& text, const std::string& place) {
     double steps = 0;
     if (parts[i] == "log" && !range.is_log)
       range.is_log = true;
-    else if (range.steps == 0 && core::parseNumber(parts[i], steps) && isWholeText(parts[i]) && steps >= 2 &&
+    else if (range.steps == 0 && files::parseNumber(parts[i], steps) && isWholeText(parts[i]) && steps >= 2 &&
              steps <= kMostSteps)
       range.steps = static_cast<int>(steps);
     else
@@ -71,7 +71,7 @@ std::vector<double> spacedValues(const ValueRange& range, int steps_if_not_said,
   std::vector<double> values;
   for (const auto& text : range.list) {
     double value = 0;
-    if (!core::parseNumber(text, value))
+    if (!files::parseNumber(text, value))
       throw core::InputError(place + ": found '" + text + "', expected a number");
     if (std::count(values.begin(), values.end(), value) > 0)
       throw core::InputError(place + ": '" + text + "' is given twice");
@@ -91,7 +91,7 @@ std::vector<double> spacedValues(const ValueRange& range, int steps_if_not_said,
 std::string drawValue(const ValueRange& range, core::RandomStream& random) {
   if (!range.list.empty()) return range.list[random.below(range.list.size())];
   const double value = valueAt(range, random.uniform());
-  return core::formatNumber(range.is_whole ? std::round(value) : rounded(value, 4));
+  return files::formatNumber(range.is_whole ? std::round(value) : rounded(value, 4));
 }
 
 }  // namespace slam::study

@@ -12,12 +12,13 @@
 #include <set>
 #include <system_error>
 
-#include "libslam/core/code_version.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/process/process_memory.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/code_version.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/score/evaluate.h"
@@ -67,8 +68,8 @@ class MemoryLimit {
   std::new_handler previous_;
 };
 
-core::IniFile toIni(const Json& config, const std::string& origin) {
-  core::IniFile ini;
+files::IniFile toIni(const Json& config, const std::string& origin) {
+  files::IniFile ini;
   for (const auto& [key, value] : config.items()) {
     const auto dot = key.find('.');
     ini.set(key.substr(0, dot), key.substr(dot + 1), value.get<std::string>(), origin);
@@ -76,8 +77,8 @@ core::IniFile toIni(const Json& config, const std::string& origin) {
   return ini;
 }
 
-core::Manifest manifestOf(const CellInputs& inputs) {
-  core::Manifest manifest;
+resources::Manifest manifestOf(const CellInputs& inputs) {
+  resources::Manifest manifest;
   manifest.command_line = {"sh", "-c", inputs.reproduce};
   return manifest;
 }
@@ -91,7 +92,7 @@ std::string onlyWithout(std::string text, const std::string& path, const std::st
 
 void addFile(CellResult& result, const std::string& folder, const std::string& name) {
   const std::string path = folder + "/" + name;
-  result.files[name] = {fs::file_size(path), core::fileSha256(path)};
+  result.files[name] = {fs::file_size(path), resources::fileSha256(path)};
 }
 
 bool isGenerated(const Json& spec) {
@@ -126,7 +127,7 @@ void recordLog(const std::string& folder, const Json& spec, const world::Plan& p
     for (const char* name : {"plan.yaml", "plan.png", "plan.materials.png"})
       if (fs::exists(folder + "/" + name)) addFile(result, folder, name);
   }
-  manifest.inputs[is_generated ? "plan.yaml" : plan_path] = core::fileSha256(plan_path);
+  manifest.inputs[is_generated ? "plan.yaml" : plan_path] = resources::fileSha256(plan_path);
   const auto config = record::readRecordConfig(toIni(spec.at("config"), "cell.json"));
   const auto recording =
       record::record(plan, config, spec.at("seed"), folder + "/run.rawlog", std::move(manifest), progress);
@@ -146,7 +147,7 @@ void prune(const std::string& folder) {
   static const std::set<std::string> kKept = {
       "trajectory.tum",  "trajectory_final.tum", "map.yaml", "map.png", "journal.csv",
       "covariances.csv", "covariances_final.csv"};
-  auto manifest = core::readManifest(folder + "/manifest.json");
+  auto manifest = resources::readManifest(folder + "/manifest.json");
   for (auto it = manifest.files.begin(); it != manifest.files.end();) {
     if (kKept.count(it->first)) {
       ++it;
@@ -155,7 +156,7 @@ void prune(const std::string& folder) {
     fs::remove(folder + "/" + it->first);
     it = manifest.files.erase(it);
   }
-  core::writeManifest(manifest, folder + "/manifest.json");
+  resources::writeManifest(manifest, folder + "/manifest.json");
 }
 
 void addFigures(const score::Evaluation& evaluation, CellResult& result) {
@@ -171,7 +172,7 @@ void addFigures(const score::Evaluation& evaluation, CellResult& result) {
 void keepRun(const std::string& folder, const CellInputs& inputs, CellResult& result) {
   const std::string run_folder = folder + "/run";
   if (inputs.keep == "paths") prune(run_folder);
-  for (const auto& [name, meaning] : core::readManifest(run_folder + "/manifest.json").files)
+  for (const auto& [name, meaning] : resources::readManifest(run_folder + "/manifest.json").files)
     if (name != "timing.csv" && name != "printed.txt") addFile(result, folder, "run/" + name);
 }
 
@@ -193,11 +194,11 @@ void runMethod(const std::string& folder, const Json& spec, const CellInputs& in
                                    spec.at("seed"), run_folder, false, manifestOf(inputs), progress);
   if (built.stopped) {
     // Figures of a part of the log would stand beside those of whole ones: there are none.
-    setFailure(result, "failed", messageWithout(folder, inputs, run::stopText(*built.stopped)));
+    setFailure(result, "failed", messageWithout(folder, inputs, results::stopText(*built.stopped)));
     keepRun(folder, inputs, result);
     return;
   }
-  const auto run = run::loadRun(run_folder);
+  const auto run = results::loadRun(run_folder);
   std::optional<score::Truth> truth;
   if (!inputs.truth.empty()) truth = score::loadTruth(inputs.truth, inputs.truth_plan, run);
   addFigures(score::evaluate(run, truth), result);
@@ -206,7 +207,7 @@ void runMethod(const std::string& folder, const Json& spec, const CellInputs& in
   if (truth && score::firstDivergence(truth->trajectory, run.estimate)) {
     const auto failure =
         score::explainFailure(run, *truth, score::readEvidence(run, inputs.truth, inputs.log));
-    core::writeFileAtomically(folder + "/failure.json", score::failureJson(failure));
+    files::writeFileAtomically(folder + "/failure.json", score::failureJson(failure));
     addFile(result, folder, "failure.json");
   }
   if (!inputs.relations.empty()) {
@@ -236,7 +237,7 @@ double numberOf(const Json& json) {
 }
 
 void writeJson(const Json& json, const std::string& path) {
-  core::writeFileAtomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  files::writeFileAtomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 CellState damaged(const std::string& reason) {
@@ -251,7 +252,7 @@ CellCost::CellCost()
 void workOnCell(const std::string& folder, const CellInputs& inputs, core::Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   setLimit(RLIMIT_CPU, static_cast<rlim_t>(inputs.limits.time_limit_s));
-  const std::string text = core::readTextFile(folder + "/cell.json");
+  const std::string text = files::readTextFile(folder + "/cell.json");
   CellResult result;
   result.id = cellId(text);
   CellCost cost;
@@ -259,9 +260,9 @@ void workOnCell(const std::string& folder, const CellInputs& inputs, core::Progr
   std::optional<world::Plan> plan;
   try {
     spec = Json::parse(text);
-    if (spec.at("code") != core::codeVersion())
+    if (spec.at("code") != resources::codeVersion())
       throw core::InputError(folder + "/cell.json: planned by " + spec.at("code").get<std::string>() +
-                             ", this program is " + core::codeVersion());
+                             ", this program is " + resources::codeVersion());
     if (spec.at("kind") == "log") plan = plannedWorld(spec, inputs);
   } catch (const Json::exception& error) {
     throw core::InputError(folder + "/cell.json: not a cell of a sweep: " + error.what());
@@ -285,7 +286,7 @@ void workOnCell(const std::string& folder, const CellInputs& inputs, core::Progr
     result.id = cellId(text);
     if (out_of_memory)
       setFailure(result, "out of memory",
-                 "more than " + core::formatNumber(inputs.limits.memory_limit_mb) + " MB",
+                 "more than " + files::formatNumber(inputs.limits.memory_limit_mb) + " MB",
                  inputs.limits.memory_limit_mb);
     else
       setFailure(result, "failed", message);
@@ -332,11 +333,11 @@ CellState readCell(const std::string& folder, const std::string& id, bool check_
   const std::string path = folder + "/result.json";
   if (!fs::exists(path) || !fs::exists(folder + "/cell.json"))
     return damaged(folder + ": holds no result, as a copy that was cut short");
-  if (cellId(core::readTextFile(folder + "/cell.json")) != id)
+  if (cellId(files::readTextFile(folder + "/cell.json")) != id)
     return damaged(folder + "/cell.json: is not the cell that the folder is named after");
   CellResult& result = state.result;
   try {
-    const auto json = Json::parse(core::readTextFile(path));
+    const auto json = Json::parse(files::readTextFile(path));
     json.at("id").get_to(result.id);
     json.at("status").get_to(result.status);
     json.at("message").get_to(result.message);
@@ -356,7 +357,7 @@ CellState readCell(const std::string& folder, const std::string& id, bool check_
       return damaged(folder + "/" + name + ": " +
                      (error ? "is missing" : "has " + std::to_string(bytes) + " bytes") + ", expected " +
                      std::to_string(file.bytes) + " bytes");
-    if (check_bytes && core::fileSha256(folder + "/" + name) != file.sha256)
+    if (check_bytes && resources::fileSha256(folder + "/" + name) != file.sha256)
       return damaged(folder + "/" + name + ": is not the file that the result was made with");
   }
   state.kind = CellState::kComplete;
@@ -366,7 +367,7 @@ CellState readCell(const std::string& folder, const std::string& id, bool check_
 CellCost readCellCost(const std::string& folder) {
   CellCost cost;
   try {
-    const auto json = Json::parse(core::readTextFile(folder + "/cost.json"));
+    const auto json = Json::parse(files::readTextFile(folder + "/cost.json"));
     cost.cpu_s = numberOf(json.at("cpu_s"));
     cost.wall_s = numberOf(json.at("wall_s"));
     cost.mean_ms_per_scan = numberOf(json.at("mean_ms_per_scan"));

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 namespace slam::sweep {
 namespace fs = std::filesystem;
@@ -25,7 +25,7 @@ Words execWords(const SweepRequest& request, const Paths& paths) {
 }
 
 std::string mergeLine(const SweepRequest& request, const Paths& paths) {
-  return core::shellQuoted({request.program, "bench", "merge", paths.folder});
+  return resources::shellQuoted({request.program, "bench", "merge", paths.folder});
 }
 
 std::string writeParallel(const SweepRequest& request, const SubmitRequest& submit, const Paths& paths) {
@@ -34,14 +34,14 @@ std::string writeParallel(const SweepRequest& request, const SubmitRequest& subm
     auto words = execWords(request, paths);
     words.push_back(std::to_string(i) + "/" + std::to_string(submit.tasks));
     // 6: methods that failed are results.
-    tasks += core::shellQuoted(words) + " || [ $? -eq 6 ]\n";
+    tasks += resources::shellQuoted(words) + " || [ $? -eq 6 ]\n";
   }
-  core::writeFileAtomically(paths.submit + "/tasks.txt", tasks);
+  files::writeFileAtomically(paths.submit + "/tasks.txt", tasks);
   return "#!/bin/sh\n"
          "# sh submit.sh [OPTIONS OF GNU PARALLEL, such as --jobs 8 or --sshloginfile HOSTS]\n"
          "parallel --retries 3 --joblog " +
-         core::shellQuoted({paths.submit + "/joblog.txt"}) + " \"$@\" < " +
-         core::shellQuoted({paths.submit + "/tasks.txt"}) + "\nexec " + mergeLine(request, paths) + "\n";
+         resources::shellQuoted({paths.submit + "/joblog.txt"}) + " \"$@\" < " +
+         resources::shellQuoted({paths.submit + "/tasks.txt"}) + "\nexec " + mergeLine(request, paths) + "\n";
 }
 
 /// As Slurm's job names are, whatever the suite is called.
@@ -68,30 +68,30 @@ std::string sbatchHead(const std::string& name, const std::string& log, const Su
 std::string writeSlurm(const Sweep& sweep, const SweepRequest& request, const SubmitRequest& submit,
                        const Paths& paths) {
   const std::string count = std::to_string(submit.tasks);
-  core::writeFileAtomically(
+  files::writeFileAtomically(
       paths.submit + "/sweep.sbatch",
       sbatchHead(sweep.plan.name, paths.submit + "/task_%a.log", submit) + "#SBATCH --array=1-" + count +
           "\n#SBATCH --cpus-per-task=" + std::to_string(request.jobs) +
           "\n"
           "for attempt in 1 2 3; do\n"
           "  status=0\n  " +
-          core::shellQuoted(execWords(request, paths)) + " \"$SLURM_ARRAY_TASK_ID/" + count +
+          resources::shellQuoted(execWords(request, paths)) + " \"$SLURM_ARRAY_TASK_ID/" + count +
           "\" || status=$?\n"
           "  # 6: methods that failed are results; 2 and 3 would be the same again.\n"
           "  case $status in 0 | 6) exit 0 ;; 2 | 3) exit \"$status\" ;; esac\n"
           "  echo \"attempt $attempt ended with exit code $status\" >&2\n"
           "done\n"
           "exit \"$status\"\n");
-  core::writeFileAtomically(paths.submit + "/merge.sbatch",
-                            sbatchHead(sweep.plan.name + "-merge", paths.submit + "/merge.log", submit) +
-                                "exec " + mergeLine(request, paths) + "\n");
+  files::writeFileAtomically(paths.submit + "/merge.sbatch",
+                             sbatchHead(sweep.plan.name + "-merge", paths.submit + "/merge.log", submit) +
+                                 "exec " + mergeLine(request, paths) + "\n");
   return "#!/bin/sh\n"
          "set -e\n"
          "sweep=$(sbatch --parsable " +
-         core::shellQuoted({paths.submit + "/sweep.sbatch"}) +
+         resources::shellQuoted({paths.submit + "/sweep.sbatch"}) +
          ")\n"
          "merge=$(sbatch --parsable --dependency=\"afterany:${sweep%%;*}\" " +
-         core::shellQuoted({paths.submit + "/merge.sbatch"}) +
+         resources::shellQuoted({paths.submit + "/merge.sbatch"}) +
          ")\n"
          "echo \"job array ${sweep%%;*} of " +
          count + " tasks, then merge job ${merge%%;*}\"\n";
@@ -105,7 +105,7 @@ const std::vector<std::string>& submitEngines() {
 }
 
 std::string writeSubmission(const Sweep& sweep, const SweepRequest& sweep_request,
-                            const SubmitRequest& request, core::Manifest manifest) {
+                            const SubmitRequest& request, resources::Manifest manifest) {
   const auto& engines = submitEngines();
   if (std::find(engines.begin(), engines.end(), request.engine) == engines.end())
     throw core::InputError("--engine: found '" + request.engine + "', expected parallel or slurm" +
@@ -122,9 +122,9 @@ std::string writeSubmission(const Sweep& sweep, const SweepRequest& sweep_reques
   fs::create_directories(paths.submit, error);
   if (error) throw core::IoError(paths.submit + ": cannot be made: " + error.message());
   const std::string script = paths.submit + "/submit.sh";
-  core::writeFileAtomically(script, request.engine == "parallel"
-                                        ? writeParallel(sweep_request, request, paths)
-                                        : writeSlurm(sweep, sweep_request, request, paths));
+  files::writeFileAtomically(script, request.engine == "parallel"
+                                         ? writeParallel(sweep_request, request, paths)
+                                         : writeSlurm(sweep, sweep_request, request, paths));
   return script;
 }
 

@@ -2,16 +2,17 @@
 
 #include <sstream>
 
-#include "libslam/core/files.h"
-#include "libslam/core/ini_yaml.h"
+#include "libslam/files/files.h"
 #include "libslam/record/generated_world.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/ini_yaml.h"
 #include "libslam/sweep/suite_reader.h"
 
 namespace slam::sweep {
 
-const core::ParameterTable<SuiteOptions>& SuiteOptions::table() {
+const files::ParameterTable<SuiteOptions>& SuiteOptions::table() {
   using O = SuiteOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "suite",
       {{"worlds", &O::worlds, "", {}, "buildings to simulate in"},
        {"logs", &O::logs, "", {}, "logs that exist already"},
@@ -43,9 +44,9 @@ SuiteOptions::SuiteOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<CellLimits>& CellLimits::table() {
+const files::ParameterTable<CellLimits>& CellLimits::table() {
   using O = CellLimits;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "limits", {{"time_limit_s", &O::time_limit_s, 3600, 1, 10000000, "computing time (CPU) of one cell"},
                  {"wall_limit_s", &O::wall_limit_s, 14400, 0.001, 1e7, "time by the clock, for what hangs"},
                  {"memory_limit_mb", &O::memory_limit_mb, 4096, 1, 1e7,
@@ -62,8 +63,8 @@ std::string fullName(const SuiteMethod& method) {
 }
 
 bool isSuiteFile(const std::string& path) {
-  if (!core::isYamlFile(path)) return core::isConfigFile(path);
-  std::istringstream lines(core::readTextFile(path));
+  if (!resources::isYamlFile(path)) return resources::isConfigFile(path);
+  std::istringstream lines(files::readTextFile(path));
   for (std::string line; std::getline(lines, line);)
     if (line.compare(0, 6, "suite:") == 0) return true;
   return false;  // a ROS map's
@@ -73,13 +74,14 @@ Suite readSuite(const std::string& path, const std::string& folder) {
   return SuiteReader(path, folder).read();
 }
 
-Suite readSuite(const core::IniFile& ini, const std::string& path, const std::string& folder) {
+Suite readSuite(const files::IniFile& ini, const std::string& path, const std::string& folder) {
   return SuiteReader(ini, path, folder).read();
 }
 
-core::IniFile layered(const Suite& suite, const SuiteVariant& robot, const SuiteVariant& lidar,
-                      const SuiteVariant& odometry, const SuiteVariant& strategy, const SuiteVariant& fault) {
-  core::IniFile config = suite.base;
+files::IniFile layered(const Suite& suite, const SuiteVariant& robot, const SuiteVariant& lidar,
+                       const SuiteVariant& odometry, const SuiteVariant& strategy,
+                       const SuiteVariant& fault) {
+  files::IniFile config = suite.base;
   for (const auto* variant : {&robot, &lidar, &odometry, &strategy, &fault})
     config.overrideWith(variant->overlay);
   return config;
@@ -94,16 +96,16 @@ world::Plan loadWorld(const SuiteWorld& world) {
 
 std::string planSha256(const world::Plan& plan) {
   std::ostringstream text;
-  text << plan.columns << ' ' << plan.rows << ' ' << core::formatNumber(plan.resolution_m) << ' '
-       << core::formatNumber(plan.T_world_plan.x) << ' ' << core::formatNumber(plan.T_world_plan.y) << ' '
-       << core::formatNumber(plan.T_world_plan.phi) << '\n';
+  text << plan.columns << ' ' << plan.rows << ' ' << files::formatNumber(plan.resolution_m) << ' '
+       << files::formatNumber(plan.T_world_plan.x) << ' ' << files::formatNumber(plan.T_world_plan.y) << ' '
+       << files::formatNumber(plan.T_world_plan.phi) << '\n';
   for (const auto& door : plan.doors)
     text << door.x0 << ' ' << door.y0 << ' ' << door.x1 << ' ' << door.y1 << '\n';
   text.write(reinterpret_cast<const char*>(plan.cells.data()),
              static_cast<std::streamsize>(plan.cells.size()));
   text.write(reinterpret_cast<const char*>(plan.materials.data()),
              static_cast<std::streamsize>(plan.materials.size()));
-  return core::sha256(text.str());
+  return resources::sha256(text.str());
 }
 
 }  // namespace slam::sweep

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 #include "libslam/record/record.h"
 
 namespace slam::sweep {
@@ -18,7 +18,7 @@ struct SuiteOptions {
       keep;
   double failure_ate_m;
   SuiteOptions();
-  static const core::ParameterTable<SuiteOptions>& table();
+  static const files::ParameterTable<SuiteOptions>& table();
 };
 
 /// Section [limits]: what one cell of a sweep may take.
@@ -27,13 +27,13 @@ struct CellLimits {
   double wall_limit_s;
   double memory_limit_mb;
   CellLimits();
-  static const core::ParameterTable<CellLimits>& table();
+  static const files::ParameterTable<CellLimits>& table();
 };
 
 /// One value of an axis of the simulation: its name in tables, and the configuration that it lays over.
 struct SuiteVariant {
   std::string name;
-  core::IniFile overlay;
+  files::IniFile overlay;
 };
 
 /// A building to simulate in: a plan's file, or one that generateWorld() draws.
@@ -41,9 +41,9 @@ struct SuiteWorld {
   std::string name;
   std::string plan_path;  ///< "" for a generated one
   std::string kind;
-  core::IniFile building;  ///< section [building]
-  std::uint64_t seed = 1;  ///< of the building, not of the run
-  std::string sha256;      ///< planSha256()
+  files::IniFile building;  ///< section [building]
+  std::uint64_t seed = 1;   ///< of the building, not of the run
+  std::string sha256;       ///< planSha256()
 };
 
 /// A log that exists already, with what is known of it ("" where nothing is).
@@ -56,7 +56,7 @@ struct SuiteLog {
 struct SuiteMethod {
   std::string name;
   std::string parameters;  ///< "graph.keyframe_m=0.5 mapping.grid=exact", or ""
-  core::IniFile config;
+  files::IniFile config;
   std::map<std::string, std::string> programs;  ///< programFiles() of an external one
 };
 /// "graph", or "graph graph.keyframe_m=0.5".
@@ -69,7 +69,7 @@ struct Suite {
   std::string text;    ///< its bytes, of YAML as .ini
   SuiteOptions options;
   CellLimits limits;
-  core::IniFile base;  ///< the suite's own sections [robot] ... [simulation], under every overlay
+  files::IniFile base;  ///< the suite's own sections [robot] ... [simulation], under every overlay
   std::vector<SuiteWorld> worlds;
   std::vector<SuiteLog> logs;
   std::vector<SuiteVariant> robots, lidars, odometry, strategies, faults;
@@ -101,17 +101,17 @@ struct Suite {
 /// where there is one): unknown section, key, name or value; a section that no list names; a name twice; a
 /// seed twice; files that are missing or broken; a combination whose values do not fit.
 /// `folder` takes the place of the suite's folder unless "".
-/// A file in YAML (core::parseYaml()) means the .ini that it stands for.
+/// A file in YAML (resources::parseYaml()) means the .ini that it stands for.
 Suite readSuite(const std::string& path, const std::string& folder = "");
 /// Whether a file is a suite by its name, one in YAML by its section `suite`: plans have that ending too.
 bool isSuiteFile(const std::string& path);
 /// The same of a suite that is not in a file as it stands: `path` stands for it in errors and gives it its
 /// name.
-Suite readSuite(const core::IniFile& ini, const std::string& path, const std::string& folder);
+Suite readSuite(const files::IniFile& ini, const std::string& path, const std::string& folder);
 
 /// The configuration of a simulated log: all layers.
-core::IniFile layered(const Suite& suite, const SuiteVariant& robot, const SuiteVariant& lidar,
-                      const SuiteVariant& odometry, const SuiteVariant& strategy, const SuiteVariant& fault);
+files::IniFile layered(const Suite& suite, const SuiteVariant& robot, const SuiteVariant& lidar,
+                       const SuiteVariant& odometry, const SuiteVariant& strategy, const SuiteVariant& fault);
 
 /// The plan of a world, named after it.
 world::Plan loadWorld(const SuiteWorld& world);

@@ -1,4 +1,4 @@
-#include "libslam/core/word_list.h"
+#include "libslam/files/word_list.h"
 #include "libslam/sweep/suite_reader.h"
 
 #include <algorithm>
@@ -6,15 +6,15 @@
 #include <filesystem>
 #include <utility>
 
-#include "libslam/core/files.h"
-#include "libslam/core/ini_yaml.h"
-#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/method_config.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/external_method.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::sweep {
 namespace fs = std::filesystem;
@@ -35,7 +35,7 @@ const SuiteReader::Entries* SuiteReader::sectionOf(const std::string& kind, cons
 }
 
 /// Keys `section.key` on top of `config`, but for those in `own`.
-void SuiteReader::layOver(core::IniFile& config, const Entries& entries, const std::set<std::string>& own) {
+void SuiteReader::layOver(files::IniFile& config, const Entries& entries, const std::set<std::string>& own) {
   for (const auto& [key, entry] : entries) {
     if (own.count(key)) continue;
     const auto dot = key.find('.');
@@ -69,16 +69,18 @@ SuiteVariant SuiteReader::variant(const std::string& key, const std::string& kin
 SuiteVariant SuiteReader::preset(const std::string& key, const std::string& kind,
                                  const std::string& word) const {
   if (word == kBuiltIn) return {word, {}};
-  if (core::isConfigFile(word)) return {fs::path(word).stem().string(), core::IniFile::load(resolved(word))};
+  if (resources::isConfigFile(word))
+    return {fs::path(word).stem().string(), resources::readConfigFile(resolved(word))};
   std::vector<std::string> names;
-  if (kind == "lidar") names = core::namesInFolder(core::configsFolder() + "/lidars", ".ini");
-  if (kind == "strategy") names = navigate::strategyNames();
+  if (kind == "lidar") names = resources::namesInFolder(resources::configsFolder() + "/lidars", ".ini");
+  if (kind == "strategy") names = strategies::strategyNames();
   if (std::find(names.begin(), names.end(), word) == names.end()) {
     names.emplace_back(kBuiltIn);
     throw unknown(key, word, std::string("built-in, a known ") + kind + ", an .ini or .yaml file", names,
                   kind);
   }
-  if (kind == "lidar") return {word, core::IniFile::load(core::configsFolder() + "/lidars/" + word + ".ini")};
+  if (kind == "lidar")
+    return {word, resources::readConfigFile(resources::configsFolder() + "/lidars/" + word + ".ini")};
   SuiteVariant result{word, {}};
   result.overlay.set("strategy", "name", word, where(key));
   return result;
@@ -119,18 +121,22 @@ SuiteWorld SuiteReader::unchecked(const std::string& word) {
   }
   if (word.find(':') == std::string::npos || fs::exists(resolved(word))) {
     const bool is_path = looksLikePath(word);
-    return {
-        fs::path(word).stem().string(), is_path ? resolved(word) : core::resolvePlan(word), "", {}, 1, ""};
+    return {fs::path(word).stem().string(),
+            is_path ? resolved(word) : resources::resolvePlan(word),
+            "",
+            {},
+            1,
+            ""};
   }
-  const auto parts = core::splitAt(word, ':');
+  const auto parts = files::splitAt(word, ':');
   Entries keys;
   for (size_t i = 1; i < parts.size(); ++i) {
     const auto equals = parts[i].find('=');
     if (equals == std::string::npos)
       throw core::InputError("found '" + word + "', expected KIND:key=value:key=value");
     const auto* entry = ini_.find("suite", "worlds");
-    keys[core::trimmed(parts[i].substr(0, equals))] = {core::trimmed(parts[i].substr(equals + 1)),
-                                                       entry ? entry->origin : suite_.path};
+    keys[files::trimmed(parts[i].substr(0, equals))] = {files::trimmed(parts[i].substr(equals + 1)),
+                                                        entry ? entry->origin : suite_.path};
   }
   return generated(word, parts[0], keys);
 }
@@ -171,25 +177,25 @@ SuiteLog SuiteReader::log(const std::string& word) {
   }
   result.path = resolved(result.path);
   logs::requireUsable(logs::inspectLog(result.path));
-  result.truth_path = truth.empty() ? record::findTruth(result.path) : resolved(truth);
+  result.truth_path = truth.empty() ? truth::findTruth(result.path) : resolved(truth);
   result.relations_path = relations.empty() ? "" : resolved(relations);
   if (!result.truth_path.empty()) logs::readTrajectory(result.truth_path);
   if (!result.relations_path.empty()) logs::readRelations(result.relations_path);
   if (!plan.empty())
-    result.plan_path = looksLikePath(plan) ? resolved(plan) : core::resolvePlan(plan);
+    result.plan_path = looksLikePath(plan) ? resolved(plan) : resources::resolvePlan(plan);
   else if (fs::path(result.truth_path).extension() == ".tum")
-    result.plan_path = record::findPlan(result.path);
-  std::string hashes = core::fileSha256(result.path);
+    result.plan_path = truth::findPlan(result.path);
+  std::string hashes = resources::fileSha256(result.path);
   for (const auto& path : {result.truth_path, result.relations_path})
-    hashes += path.empty() ? "-" : core::fileSha256(path);
+    hashes += path.empty() ? "-" : resources::fileSha256(path);
   hashes += result.plan_path.empty() ? "-" : planSha256(world::loadPlan(result.plan_path));
-  result.sha256 = core::sha256(hashes);
+  result.sha256 = resources::sha256(hashes);
   return result;
 }
 
 void SuiteReader::addMethods(const std::string& word) {
   SuiteMethod method;
-  const std::string folder = core::configsFolder() + "/methods";
+  const std::string folder = resources::configsFolder() + "/methods";
   const auto load = [&](const std::string& name) {
     const bool is_path = looksLikePath(name);
     if (!is_path) {
@@ -208,7 +214,7 @@ void SuiteReader::addMethods(const std::string& word) {
     method.name = word;
     layOver(method.config, *entries, {"base"});
   } else {
-    method.name = core::isConfigFile(word) ? fs::path(word).stem().string() : word;
+    method.name = resources::isConfigFile(word) ? fs::path(word).stem().string() : word;
     method.config = load(word);
   }
   std::vector<SuiteMethod> grid = {method};

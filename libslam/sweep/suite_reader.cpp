@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <utility>
 
-#include "libslam/core/files.h"
-#include "libslam/core/ini_text.h"
-#include "libslam/core/ini_yaml.h"
-#include "libslam/core/number_list.h"
-#include "libslam/core/word_list.h"
+#include "libslam/files/files.h"
+#include "libslam/files/ini_text.h"
+#include "libslam/files/number_list.h"
+#include "libslam/files/word_list.h"
+#include "libslam/resources/ini_yaml.h"
 #include "libslam/run/external_method.h"
 
 namespace slam::sweep {
@@ -24,27 +24,27 @@ const std::vector<std::string> kRecordSections = {"robot",       "sensor",     "
 
 SuiteReader::SuiteReader(const std::string& path, const std::string& folder) {
   suite_.path = path;
-  suite_.text = core::readTextFile(path);
+  suite_.text = files::readTextFile(path);
   suite_.folder = folder.empty() ? fs::absolute(path).parent_path().string() : folder;
-  if (core::isYamlFile(path)) {
-    ini_ = core::parseYaml(suite_.text, path);
-    suite_.text = core::toText(ini_);
+  if (resources::isYamlFile(path)) {
+    ini_ = resources::parseYaml(suite_.text, path);
+    suite_.text = files::toText(ini_);
   } else {
-    ini_ = core::IniFile::parse(suite_.text, path);
+    ini_ = files::IniFile::parse(suite_.text, path);
   }
 }
 
-SuiteReader::SuiteReader(core::IniFile ini, const std::string& path, const std::string& folder)
+SuiteReader::SuiteReader(files::IniFile ini, const std::string& path, const std::string& folder)
     : ini_(std::move(ini)) {
   suite_.path = path;
-  suite_.text = core::toText(ini_);
+  suite_.text = files::toText(ini_);
   suite_.folder = folder;
 }
 
 Suite SuiteReader::read() {
   rejectUnknownKinds();
-  core::readParameters(ini_, SuiteOptions::table(), suite_.options);
-  core::readParameters(ini_, CellLimits::table(), suite_.limits);
+  files::readParameters(ini_, SuiteOptions::table(), suite_.options);
+  files::readParameters(ini_, CellLimits::table(), suite_.limits);
   for (const auto& section : kRecordSections)
     if (const auto it = ini_.sections().find(section); it != ini_.sections().end())
       for (const auto& [key, entry] : it->second) suite_.base.set(section, key, entry.value, entry.origin);
@@ -89,7 +89,7 @@ std::string SuiteReader::resolved(const std::string& path) const {
 }
 
 std::vector<std::string> SuiteReader::words(const std::string& key, const std::string& list) const {
-  auto parts = core::splitAt(list, ',');
+  auto parts = files::splitAt(list, ',');
   for (const auto& part : parts)
     if (part.empty())
       throw core::InputError(where(key) + ": found '" + list +
@@ -98,10 +98,10 @@ std::vector<std::string> SuiteReader::words(const std::string& key, const std::s
 }
 
 std::vector<SuiteMethod> SuiteReader::crossed(const std::vector<SuiteMethod>& grid, const std::string& key,
-                                              const core::IniFile::Entry& entry) {
+                                              const files::IniFile::Entry& entry) {
   std::vector<SuiteMethod> result;
   for (const auto& method : grid)
-    for (const auto& value : core::splitAt(entry.value, ',')) {
+    for (const auto& value : files::splitAt(entry.value, ',')) {
       SuiteMethod choice = method;
       layOver(choice.config, {{key, {value, entry.origin}}}, {});
       choice.parameters += (choice.parameters.empty() ? "" : " ") + key + "=" + value;
@@ -139,7 +139,7 @@ void SuiteReader::rejectUnknownKinds() const {
     if (const auto blank = section.find(' ');
         blank != std::string::npos && kKinds.count(section.substr(0, blank)))
       known.push_back(section);
-  core::rejectUnknownSections(ini_, known);
+  files::rejectUnknownSections(ini_, known);
 }
 
 void SuiteReader::rejectUnusedSections() const {
@@ -191,8 +191,8 @@ void SuiteReader::checkCombinations() const {
           for (const auto& fault : suite_.faults) {
             const auto config =
                 record::readRecordConfig(layered(suite_, robot, lidar, odometry, strategy, fault));
-            navigate::makeStrategy(config.strategy, core::RandomStream(1, "strategy"));
-            if (navigate::strategyNeedsMap(config.strategy.name))
+            strategies::makeStrategy(config.strategy, core::RandomStream(1, "strategy"));
+            if (strategies::strategyNeedsMap(config.strategy.name))
               throw core::InputError(where("strategies") + ": '" + config.strategy.name +
                                      "' needs a map, and a recording builds none");
           }

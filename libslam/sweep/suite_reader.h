@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/core/ini.h"
+#include "libslam/files/ini.h"
 #include "libslam/sweep/suite.h"
 
 namespace slam::sweep {
@@ -16,7 +16,7 @@ namespace slam::sweep {
 class SuiteReader {
  public:
   SuiteReader(const std::string& path, const std::string& folder);
-  SuiteReader(core::IniFile ini, const std::string& path, const std::string& folder);
+  SuiteReader(files::IniFile ini, const std::string& path, const std::string& folder);
   Suite read();
 
  private:
@@ -26,9 +26,9 @@ class SuiteReader {
   std::string resolved(const std::string& path) const;
   std::vector<std::string> words(const std::string& key, const std::string& list) const;
 
-  using Entries = std::map<std::string, core::IniFile::Entry>;
+  using Entries = std::map<std::string, files::IniFile::Entry>;
   const Entries* sectionOf(const std::string& kind, const std::string& name);
-  static void layOver(core::IniFile& config, const Entries& entries, const std::set<std::string>& own);
+  static void layOver(files::IniFile& config, const Entries& entries, const std::set<std::string>& own);
   std::vector<SuiteVariant> variants(const std::string& key, const std::string& list,
                                      const std::string& kind);
   SuiteVariant variant(const std::string& key, const std::string& kind, const std::string& word);
@@ -40,7 +40,7 @@ class SuiteReader {
   SuiteLog log(const std::string& word);
   void addMethods(const std::string& word);
   static std::vector<SuiteMethod> crossed(const std::vector<SuiteMethod>& grid, const std::string& key,
-                                          const core::IniFile::Entry& entry);
+                                          const files::IniFile::Entry& entry);
   void readSeeds();
   void rejectUnknownKinds() const;
   void rejectUnusedSections() const;
@@ -49,7 +49,7 @@ class SuiteReader {
   void checkCombinations() const;
 
   Suite suite_;
-  core::IniFile ini_;
+  files::IniFile ini_;
   std::set<std::string> used_;
 };
 

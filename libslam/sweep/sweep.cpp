@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/sweep/sweep_runner.h"
 #include "libslam/sweep/sweep_workplace.h"
 
@@ -39,10 +39,10 @@ void prepare(const Sweep& sweep, const SweepRequest& request) {
 }
 
 void publishPlan(const Workplace& workplace, const Sweep& sweep, const SweepRequest& request,
-                 const core::Manifest& manifest) {
+                 const resources::Manifest& manifest) {
   workplace.publish("suite.ini", sweep.suite.text, request.output);
   workplace.publish("plan.json", toJson(sweep.plan, request.output), request.output);
-  core::writeManifest(manifest, workplace.path() + "/manifest.json");
+  resources::writeManifest(manifest, workplace.path() + "/manifest.json");
   fs::rename(workplace.path() + "/manifest.json", request.output + "/manifest.json");
 }
 
@@ -52,13 +52,14 @@ std::string reproduceLine(const std::string& id) {
   return "rasterslam bench exec suite.ini --cell " + id + " -o again";
 }
 
-void prepareSweepFolder(const Sweep& sweep, const SweepRequest& request, const core::Manifest& manifest) {
+void prepareSweepFolder(const Sweep& sweep, const SweepRequest& request,
+                        const resources::Manifest& manifest) {
   prepare(sweep, request);
   const Workplace workplace(request.output);
   publishPlan(workplace, sweep, request, manifest);
 }
 
-SweepOutcome sweep(const Sweep& sweep, const SweepRequest& request, const core::Manifest& manifest,
+SweepOutcome sweep(const Sweep& sweep, const SweepRequest& request, const resources::Manifest& manifest,
                    core::Progress& progress) {
   prepare(sweep, request);
   const Workplace workplace(request.output);

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/manifest.h"
 #include "libslam/core/progress.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/sweep/sweep_plan.h"
 
 namespace slam::sweep {
@@ -51,11 +51,11 @@ struct SweepOutcome {
 ///
 /// The cells' results do not depend on jobs, shards or the order of work. Errors: InputError (an output that
 /// is not ours, or holds another sweep), IoError (the disk is full), core::Interrupted.
-SweepOutcome sweep(const Sweep& sweep, const SweepRequest& request, const core::Manifest& manifest,
+SweepOutcome sweep(const Sweep& sweep, const SweepRequest& request, const resources::Manifest& manifest,
                    core::Progress& progress);
 
 /// Makes the folder and its suite.ini, plan.json and manifest.json, as sweep() does first.
-void prepareSweepFolder(const Sweep& sweep, const SweepRequest& request, const core::Manifest& manifest);
+void prepareSweepFolder(const Sweep& sweep, const SweepRequest& request, const resources::Manifest& manifest);
 
 /// How to do one cell again, as a shell line to be given in the sweep's folder.
 std::string reproduceLine(const std::string& id);

@@ -4,9 +4,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/code_version.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/code_version.h"
+#include "libslam/resources/file_hash.h"
 
 namespace slam::sweep {
 namespace fs = std::filesystem;
@@ -15,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// "section.key" -> value, for all sections.
-Json toJson(const core::IniFile& config) {
+Json toJson(const files::IniFile& config) {
   auto json = Json::object();
   for (const auto& [section, entries] : config.sections())
     for (const auto& [key, entry] : entries) json[section + "." + key] = entry.value;
@@ -26,7 +27,7 @@ std::string textOf(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string logSpec(const SuiteWorld& world, const core::IniFile& config, std::uint64_t seed,
+std::string logSpec(const SuiteWorld& world, const files::IniFile& config, std::uint64_t seed,
                     const std::string& code) {
   Json ground = {{"name", world.name}, {"plan_sha256", world.sha256}};
   if (world.plan_path.empty()) {
@@ -101,7 +102,7 @@ void rejectEqualCells(const Sweep& sweep) {
 }  // namespace
 
 std::string cellId(const std::string& spec) {
-  return core::sha256(spec).substr(0, 16);
+  return resources::sha256(spec).substr(0, 16);
 }
 
 Sweep planSweep(Suite suite) {
@@ -109,13 +110,13 @@ Sweep planSweep(Suite suite) {
   sweep.suite = std::move(suite);
   const Suite& s = sweep.suite;
   sweep.plan.name = fs::path(s.path).stem().string();
-  sweep.plan.code = core::codeVersion();
+  sweep.plan.code = resources::codeVersion();
   sweep.plan.suite_folder = s.folder;
   sweep.plan.baseline = s.options.baseline;
   sweep.plan.metric = s.options.metric;
   sweep.plan.failure_ate_m = s.options.failure_ate_m;
   for (std::size_t i = 0; i < s.worlds.size(); ++i)
-    forEachCombination(s, s.worlds[i], [&](PlannedLog log, const core::IniFile& config) {
+    forEachCombination(s, s.worlds[i], [&](PlannedLog log, const files::IniFile& config) {
       for (const auto seed : s.seeds) {
         std::string spec = logSpec(s.worlds[i], config, seed, sweep.plan.code);
         log.id = cellId(spec);
@@ -184,7 +185,7 @@ std::string toJson(const SweepPlan& plan, const std::string& folder) {
 }
 
 SweepPlan readSweepPlan(const std::string& path) {
-  const std::string text = core::readTextFile(path);
+  const std::string text = files::readTextFile(path);
   SweepPlan plan;
   try {
     const auto json = Json::parse(text);

@@ -30,7 +30,7 @@ struct PlannedRun {
 /// folder.
 struct SweepPlan {
   std::string name;          ///< the suite's file name without suffix
-  std::string code;          ///< core::codeVersion() that made the ids
+  std::string code;          ///< resources::codeVersion() that made the ids
   std::string suite_folder;  ///< Suite::folder
   std::string baseline, metric;
   double failure_ate_m = 0;

@@ -13,8 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::sweep {
 namespace fs = std::filesystem;
@@ -167,8 +167,8 @@ std::string SweepRunner::makePartial(bool is_log, std::size_t index) const {
   std::string folder = workplace_.path() + "/" + idOf(is_log, index);
   fs::remove_all(folder);
   makeFolder(folder);
-  core::writeFileAtomically(folder + "/cell.json",
-                            is_log ? sweep_.log_specs[index] : sweep_.run_specs[index]);
+  files::writeFileAtomically(folder + "/cell.json",
+                             is_log ? sweep_.log_specs[index] : sweep_.run_specs[index]);
   return folder;
 }
 
@@ -226,7 +226,7 @@ std::vector<std::string> SweepRunner::commandOf(const CellInputs& inputs, const 
   };
   add("--parent", std::to_string(getpid()));
   add("--time-limit", std::to_string(inputs.limits.time_limit_s));
-  add("--memory-limit", core::formatNumber(inputs.limits.memory_limit_mb));
+  add("--memory-limit", files::formatNumber(inputs.limits.memory_limit_mb));
   add("--keep", inputs.keep);
   add("--reproduce", inputs.reproduce);
   add("--plan", inputs.plan);
@@ -269,7 +269,7 @@ void SweepRunner::finish(RunningCell& child) {
   const auto& limits = sweep_.suite.limits;
   static const std::array<int, 7> kOwnDoing = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
   if (child.timed_out)
-    endBySelf(child, "timeout", "more than " + core::formatNumber(limits.wall_limit_s) + " s by the clock",
+    endBySelf(child, "timeout", "more than " + files::formatNumber(limits.wall_limit_s) + " s by the clock",
               limits.wall_limit_s);
   else if (result.exit_code == 0)
     settle(child.is_log, child.index, child.folder);
@@ -359,7 +359,7 @@ void SweepRunner::settleBeside(const std::string& id, const std::string& folder,
   const auto other = readCell(cellFolder(id), id);
   if (other.kind != CellState::kComplete)
     throw core::IoError(cellFolder(id) + ": cannot be written: " + reason);
-  if (core::readTextFile(cellFolder(id) + "/result.json") != core::readTextFile(folder + "/result.json"))
+  if (files::readTextFile(cellFolder(id) + "/result.json") != files::readTextFile(folder + "/result.json"))
     throw core::InputError("cell " + id + " has two different results: " + cellFolder(id) + " and " + folder);
   fs::remove_all(folder);
 }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 namespace slam::sweep {
 namespace fs = std::filesystem;
@@ -73,7 +73,7 @@ void Workplace::lock() {
 }
 
 void Workplace::publish(const std::string& name, const std::string& text, const std::string& output) const {
-  core::writeFileAtomically(path() + "/" + name, text);
+  files::writeFileAtomically(path() + "/" + name, text);
   std::error_code error;
   fs::rename(path() + "/" + name, output + "/" + name, error);
   if (error) throw core::IoError(output + "/" + name + ": cannot be written: " + error.message());

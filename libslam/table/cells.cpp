@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::table {
 
@@ -19,7 +19,7 @@ std::size_t columnOf(const Table& table, const std::string& key, const std::stri
 
 std::string textOf(const CellValue& cell) {
   if (const auto* number = std::get_if<double>(&cell))
-    return std::isnan(*number) ? "" : core::formatNumber(*number);
+    return std::isnan(*number) ? "" : files::formatNumber(*number);
   return std::get<std::string>(cell);
 }
 

@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "libslam/core/csv.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/csv.h"
+#include "libslam/files/parameters.h"
 #include "libslam/table/table.h"
 
 namespace slam::table {
@@ -10,7 +10,7 @@ namespace {
 CellValue cellOf(const std::string& field) {
   double number = 0;
   if (field.empty()) return std::nan("");
-  if (core::parseNumber(field, number)) return number;
+  if (files::parseNumber(field, number)) return number;
   if (field == "inf" || field == "-inf") return field.front() == '-' ? -INFINITY : INFINITY;
   return field;
 }
@@ -18,7 +18,7 @@ CellValue cellOf(const std::string& field) {
 }  // namespace
 
 Table fromCsv(const std::string& csv, const std::string& path) {
-  const core::CsvTable read(csv, path);
+  const files::CsvTable read(csv, path);
   Table table;
   for (const auto& key : read.names()) table.columns.push_back({key, key});
   for (const auto& fields : read.rows()) {

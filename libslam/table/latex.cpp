@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "libslam/core/word_wrap.h"
+#include "libslam/files/word_wrap.h"
 #include "libslam/table/parts.h"
 
 namespace slam::table {
@@ -111,14 +111,14 @@ LatexColumn layOut(const Table& table, std::size_t index, const LatexOptions& op
   const auto best = bestOf(table, index, options);
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
     const auto& cell = table.rows[row][index];
-    const std::size_t width = core::letters(shownText(cell, table.columns[index]));
+    const std::size_t width = files::letters(shownText(cell, table.columns[index]));
     column.is_paragraph = column.is_paragraph || (!column.is_numeric && width > kLongText);
     column.width = std::max(column.width, std::min(width, column.is_numeric ? width : kLongText));
     const auto text = latexCell(cell, table.columns[index]);
     column.cells.push_back(best[row] ? "\\textbf{" + text + "}" : text);
   }
   const auto title = withUnit(onOneLine(table.columns[index].title));
-  column.width = std::max(column.width, break_titles ? longest(core::words(title)) : core::letters(title));
+  column.width = std::max(column.width, break_titles ? longest(files::words(title)) : files::letters(title));
   for (const auto& line : wrapped(title, column.width)) column.title.push_back(latexText(line));
   return column;
 }

@@ -18,7 +18,7 @@ std::string fixedText(double value, int decimals);
 /// A number's digits without its sign; Column::shows_bound is kept to.
 std::string shownNumber(double number, const Column& column);
 
-/// core::wrapped(), with no line for a text without words.
+/// files::wrapped(), with no line for a text without words.
 std::vector<std::string> wrapped(const std::string& text, std::size_t limit);
 /// Letters of the longest.
 std::size_t longest(const std::vector<std::string>& lines);

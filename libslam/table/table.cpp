@@ -10,7 +10,7 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/fixed_number.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/table/number_text.h"
 #include "libslam/table/parts.h"
 
@@ -78,7 +78,7 @@ std::string csvField(const std::string& text) {
 std::string csvCell(const CellValue& cell) {
   if (const auto* text = std::get_if<std::string>(&cell)) return csvField(*text);
   const double number = std::get<double>(cell);
-  if (std::isfinite(number)) return core::formatNumber(number);
+  if (std::isfinite(number)) return files::formatNumber(number);
   return std::isnan(number) ? "" : number > 0 ? "inf" : "-inf";
 }
 

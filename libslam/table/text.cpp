@@ -2,17 +2,17 @@
 
 #include <algorithm>
 
-#include "libslam/core/word_wrap.h"
+#include "libslam/files/word_wrap.h"
 #include "libslam/table/parts.h"
 
 namespace slam::table {
 std::vector<std::string> wrapped(const std::string& text, size_t limit) {
-  return core::words(text).empty() ? std::vector<std::string>() : core::wrapped(text, limit);
+  return files::words(text).empty() ? std::vector<std::string>() : files::wrapped(text, limit);
 }
 
 size_t longest(const std::vector<std::string>& lines) {
   size_t most = 0;
-  for (const auto& line : lines) most = std::max(most, core::letters(line));
+  for (const auto& line : lines) most = std::max(most, files::letters(line));
   return most;
 }
 
@@ -23,7 +23,7 @@ constexpr size_t kGap = 2;
 constexpr size_t kLongText = 28;  // letters of a cell that may be broken over lines
 
 std::string padded(const std::string& text, size_t to_width, bool right) {
-  const std::string blanks(to_width - std::min(to_width, core::letters(text)), ' ');
+  const std::string blanks(to_width - std::min(to_width, files::letters(text)), ' ');
   return right ? blanks + text : text + blanks;
 }
 
@@ -47,12 +47,12 @@ TextColumn layOut(const Table& table, size_t index, bool break_titles, bool brea
   column.right = isNumeric(table, index);
   for (const auto& row : table.rows) {
     const auto text = shownText(row[index], table.columns[index]);
-    const bool breaks = break_cells && !column.right && core::letters(text) > kLongText;
+    const bool breaks = break_cells && !column.right && files::letters(text) > kLongText;
     column.cells.push_back(breaks ? wrapped(text, kLongText) : std::vector<std::string>{text});
     column.width = std::max(column.width, longest(column.cells.back()));
   }
   const auto title = onOneLine(table.columns[index].title);
-  column.width = std::max(column.width, break_titles ? longest(core::words(title)) : core::letters(title));
+  column.width = std::max(column.width, break_titles ? longest(files::words(title)) : files::letters(title));
   column.title = wrapped(title, column.width);
   return column;
 }

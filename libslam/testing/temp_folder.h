@@ -2,12 +2,12 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 namespace slam::testing {
 
 /// A fresh folder for one test, removed with everything in it, also where the test took its permissions away.
-class TempFolder : public core::ScratchFolder {
+class TempFolder : public files::ScratchFolder {
  public:
   TempFolder() = default;
   ~TempFolder();
@@ -15,8 +15,8 @@ class TempFolder : public core::ScratchFolder {
   TempFolder& operator=(const TempFolder&) = delete;
 };
 
-/// What a folder, and all below it, holds of outputs that were not finished: names of core::PendingFile and
-/// core::OutputLock.
+/// What a folder, and all below it, holds of outputs that were not finished: names of files::PendingFile and
+/// files::OutputLock.
 std::vector<std::string> leftoversIn(const std::string& folder);
 
 /// What a program printed and how it ended. The command is a shell line; standard input is /dev/null.

@@ -175,7 +175,7 @@ Layer robotLayer(double side_m, double line_m) {
   return layer;
 }
 
-Layer scanLayer(const robot::Scan& scan) {
+Layer scanLayer(const lidar::Scan& scan) {
   auto layer = named(CSetOfObjects::Create(), kScanLayer);
   auto rays = CSetOfLines::Create();
   rays->setColor_u8(colourOf(draw::kSkyBlue, kRayAlpha));
@@ -184,7 +184,7 @@ Layer scanLayer(const robot::Scan& scan) {
   returns->enableVariablePointSize(false);
   returns->setColor_u8(colourOf(draw::kVermillion));
   const auto& from = scan.T_robot_lidar;
-  const auto points = robot::scanPoints(scan);
+  const auto points = lidar::scanPoints(scan);
   const size_t stride = 1 + points.size() / kMostRays;
   for (size_t i = 0; i < points.size(); ++i) {
     const auto& p = points[i];

@@ -6,7 +6,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/gridmap/occupancy_raster.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/world/plan.h"
 
 /// What a scene is made of, one function per layer. Every function makes one named object, flat, of MRPT's
@@ -51,7 +51,7 @@ Layer mapLayer(const gridmap::OccupancyRaster& map);
 /// ahead.
 Layer robotLayer(double side_m, double line_m);
 /// A dot at each return and some rays to them, robot frame.
-Layer scanLayer(const robot::Scan& scan);
+Layer scanLayer(const lidar::Scan& scan);
 
 /// The path as estimated, and the true one broad and grey below it.
 Layer pathLayer(const core::Trajectory& path, double line_m);

@@ -60,12 +60,12 @@ double heading(Canvas& canvas, double top, const std::string& text) {
 }
 
 /// Range over angle: the original chart. Returns where it ends.
-double drawChart(Canvas& canvas, double top, double height, const robot::Scan& scan) {
+double drawChart(Canvas& canvas, double top, double height, const lidar::Scan& scan) {
   top = heading(canvas, top, "Scan: range (m), angle (deg)");
   const PixelBox box{kMargin + 26, top, kInner - 30, height};
   double farthest_m = 1;
   for (const float range_m : scan.ranges_m)
-    if (robot::isReturn(range_m)) farthest_m = std::max(farthest_m, static_cast<double>(range_m));
+    if (lidar::isReturn(range_m)) farthest_m = std::max(farthest_m, static_cast<double>(range_m));
   const double step_m = draw::niceStep(farthest_m / 2);
   const double end_m = step_m * std::ceil(farthest_m / step_m - 1e-9);
   const double first_rad = scan.first_angle_rad;
@@ -91,7 +91,7 @@ double drawChart(Canvas& canvas, double top, double height, const robot::Scan& s
   canvas.frame(box, draw::kFrame, 1);
   std::vector<Pixel> line;
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    const bool is_return = robot::isReturn(scan.ranges_m[i]);
+    const bool is_return = lidar::isReturn(scan.ranges_m[i]);
     line.push_back(is_return ? at(scan.angle(i), static_cast<double>(scan.ranges_m[i]))
                              : Pixel{std::nan(""), std::nan("")});
   }

@@ -7,7 +7,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/gridmap/occupancy_raster.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/viewer/layers.h"
 
 namespace slam::viewer {
@@ -22,7 +22,7 @@ struct Snapshot {
   std::size_t scans = 0;
   std::size_t collisions = 0;
 
-  robot::Scan scan;  ///< the newest
+  lidar::Scan scan;  ///< the newest
   core::Pose2 T_scene_map, T_map_robot;
   std::optional<core::Pose2> T_scene_truth;  ///< where the robot truly is, when that is known
 

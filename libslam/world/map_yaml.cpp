@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/ini.h"
-#include "libslam/core/parameters.h"
-#include "libslam/core/ros_map.h"
-#include "libslam/core/yaml_document.h"
+#include "libslam/files/files.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
+#include "libslam/files/ros_map.h"
+#include "libslam/resources/yaml_document.h"
 
 namespace slam::world {
 namespace {
@@ -42,7 +42,7 @@ std::vector<double> numbersOf(const YAML::Node& node, size_t count) {
   if (!node.IsSequence() || node.size() != count) return numbers;
   for (const auto& item : node) {
     double value = 0;
-    if (!item.IsScalar() || !core::parseNumber(item.Scalar(), value)) return {};
+    if (!item.IsScalar() || !files::parseNumber(item.Scalar(), value)) return {};
     numbers.push_back(value);
   }
   return numbers;
@@ -56,12 +56,12 @@ using Entries = std::map<std::string, Entry>;
 
 Entries parse(const std::string& text, const std::string& path) {
   Entries entries;
-  const YAML::Node root = core::yamlDocument(text, path);
+  const YAML::Node root = resources::yamlDocument(text, path);
   if (!root.IsNull() && !root.IsMap())
-    throw core::InputError(core::yamlPlace(path, root.Mark()) + ": found '" + textOf(root) +
+    throw core::InputError(resources::yamlPlace(path, root.Mark()) + ": found '" + textOf(root) +
                            "', expected key: value");
   for (const auto& item : root) {
-    const std::string where = core::yamlPlace(path, item.first.Mark());
+    const std::string where = resources::yamlPlace(path, item.first.Mark());
     const std::string key = textOf(item.first);
     if (std::find(knownKeys().begin(), knownKeys().end(), key) == knownKeys().end())
       throw core::InputError(where + ": unknown key '" + key + "'" + core::didYouMean(key, knownKeys()));
@@ -99,7 +99,7 @@ class Values {
   double number(const std::string& key, double low, double high, const std::string& expected) const {
     double value = 0;
     const std::string found = text(key);
-    if (!core::parseNumber(found, value) || !(value >= low && value <= high))
+    if (!files::parseNumber(found, value) || !(value >= low && value <= high))
       throw wrongValue(require(key).where, key, found, expected);
     return value;
   }
@@ -145,7 +145,7 @@ class Values {
 
 void requireSensible(const PlanOptions& options, const std::string& where) {
   const auto reject = [&](const char* key, double value, const char* expected) {
-    throw wrongValue(where, key, core::formatNumber(value), expected);
+    throw wrongValue(where, key, files::formatNumber(value), expected);
   };
   if (!(options.resolution_m > 0) || !std::isfinite(options.resolution_m))
     reject("resolution", options.resolution_m, "metres per pixel, a number above 0");
@@ -154,14 +154,14 @@ void requireSensible(const PlanOptions& options, const std::string& where) {
     reject("occupied_thresh", options.occupied_threshold, "a number from 0 to 1");
   if (!isShare(options.free_threshold)) reject("free_thresh", options.free_threshold, "a number from 0 to 1");
   if (options.free_threshold >= options.occupied_threshold)
-    throw wrongValue(where, "free_thresh", core::formatNumber(options.free_threshold),
-                     "a number below occupied_thresh " + core::formatNumber(options.occupied_threshold));
+    throw wrongValue(where, "free_thresh", files::formatNumber(options.free_threshold),
+                     "a number below occupied_thresh " + files::formatNumber(options.occupied_threshold));
   if (!core::isFinite(options.T_world_plan))
     throw core::InputError(where + ": key 'origin': not finite, expected [x, y, yaw]");
 }
 
 MapYaml readMapYaml(const std::string& path) {
-  const Entries entries = parse(core::readTextFile(path), path);
+  const Entries entries = parse(files::readTextFile(path), path);
   const Values values(entries, path);
   MapYaml map;
   const auto besideYaml = [&](const std::string& name) {
@@ -193,9 +193,9 @@ MapYaml readMapYaml(const std::string& path) {
 
 std::string formatMapYaml(const std::string& image_name, const PlanOptions& options,
                           const std::string& materials_name, const std::vector<Door>& doors) {
-  std::string text = core::rosMapYaml({image_name, options.resolution_m, options.T_world_plan, options.negate,
-                                       options.occupied_threshold, options.free_threshold});
-  if (!materials_name.empty()) text += "materials: " + core::yamlScalar(materials_name) + "\n";
+  std::string text = files::rosMapYaml({image_name, options.resolution_m, options.T_world_plan,
+                                        options.negate, options.occupied_threshold, options.free_threshold});
+  if (!materials_name.empty()) text += "materials: " + files::yamlScalar(materials_name) + "\n";
   if (!doors.empty()) text += "doors:\n";
   for (const auto& door : doors)
     text += "  - [" + std::to_string(door.x0) + ", " + std::to_string(door.y0) + ", " +

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "libslam/core/error.h"
-#include "libslam/core/ros_map.h"
+#include "libslam/files/ros_map.h"
 #include "libslam/world/picture_file.h"
 
 namespace slam::world {
@@ -17,7 +17,7 @@ struct Paint {
 constexpr Paint kPaints[] = {{Material::kGlass, {0, 0, 255}, 29},
                              {Material::kMirror, {255, 0, 0}, 76},
                              {Material::kDark, {0, 255, 0}, 150}};
-constexpr std::uint8_t kPlainGrays[] = {core::kRosOccupied, core::kRosUnknown, core::kRosFree, 255};
+constexpr std::uint8_t kPlainGrays[] = {files::kRosOccupied, files::kRosUnknown, files::kRosFree, 255};
 
 Colour gray(std::uint8_t level) {
   return {level, level, level};

@@ -9,8 +9,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
 
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/world/bmp_file.h"
 #include "libslam/world/picture_bytes.h"
 
@@ -23,7 +23,7 @@ void requireSensibleSize(const Bytes& file, std::int64_t columns, std::int64_t r
     throw file.error(
         "the picture has " + found + ", expected at most " + std::to_string(kMaxPlanSide) +
         " on a side and 2^28 in all (to simulate in takes some 13 bytes a pixel: " +
-        core::formatNumber(std::round(static_cast<double>(columns) * static_cast<double>(rows) * 13e-9)) +
+        files::formatNumber(std::round(static_cast<double>(columns) * static_cast<double>(rows) * 13e-9)) +
         " GB)");
 }
 
@@ -243,14 +243,14 @@ std::string encodeMat(int columns, int rows, int type, const std::vector<Pixel>&
 }  // namespace
 
 Picture readPicture(const std::string& path) {
-  const std::string content = core::readTextFile(path);
+  const std::string content = files::readTextFile(path);
   const Bytes file(path, content);
   requireWhole(file);
   return isPgm(file) ? readPgm(file) : fromDecodedOfAnyDepth(decode(file));
 }
 
 ColourPicture readColourPicture(const std::string& path) {
-  const std::string content = core::readTextFile(path);
+  const std::string content = files::readTextFile(path);
   const Bytes file(path, content);
   requireWhole(file);
   if (isPgm(file)) {

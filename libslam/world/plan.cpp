@@ -11,8 +11,8 @@
 #include <system_error>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/world/map_yaml.h"
 #include "libslam/world/materials_file.h"
 #include "libslam/world/picture_file.h"
@@ -125,7 +125,7 @@ Plan loadFromPicture(const std::string& path, const PlanOptions& options) {
 class PendingFiles {
  public:
   void add(const std::string& path, const std::string& content) {
-    const auto& file = files_.emplace_back(std::make_unique<core::PendingFile>(path));
+    const auto& file = files_.emplace_back(std::make_unique<files::PendingFile>(path));
     paths_.push_back(path);
     std::ofstream out(file->path(), std::ios::binary | std::ios::trunc);
     out.write(content.data(), static_cast<std::streamsize>(content.size()));
@@ -144,7 +144,7 @@ class PendingFiles {
   }
 
  private:
-  std::vector<std::unique_ptr<core::PendingFile>> files_;
+  std::vector<std::unique_ptr<files::PendingFile>> files_;
   std::vector<std::string> paths_;
 };
 
@@ -156,7 +156,7 @@ double gap(double coordinate, int index) {
 }  // namespace
 
 Plan loadPlan(const std::string& path, const PlanOptions& options) {
-  core::requireReadableFile(path);
+  files::requireReadableFile(path);
   Plan plan = isYaml(path) ? loadFromYaml(path) : loadFromPicture(path, options);
   plan.name = fs::path(path).stem().string();
   if (!options.allow_empty) requireSomethingToSee(plan, path);

@@ -12,7 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_writer.h"
 #include "tests/apps/program.h"
 
@@ -44,8 +44,8 @@ cv::Mat roomPicture() {
   return picture;
 }
 
-robot::Scan smallScan(double time_s, int beams) {
-  robot::Scan scan;
+lidar::Scan smallScan(double time_s, int beams) {
+  lidar::Scan scan;
   scan.time_s = 1700000000 + time_s;
   scan.first_angle_rad = -1;
   scan.step_rad = beams > 1 ? 2.0 / (beams - 1) : 1.0;
@@ -55,7 +55,7 @@ robot::Scan smallScan(double time_s, int beams) {
 }
 
 void writeLog(const std::string& path, int entries, bool has_odometry = true) {
-  logs::LogWriter writer(path, logs::RawlogForm::kActionFrame);
+  logs::LogWriter writer(path, rawlogs::RawlogForm::kActionFrame);
   for (int i = 0; i < entries; ++i)
     writer.write({smallScan(0.2 * i, 31), {0.0, 0, 0}, {0.0, 0, 0}, has_odometry});
   writer.close();
@@ -63,8 +63,8 @@ void writeLog(const std::string& path, int entries, bool has_odometry = true) {
 
 TEST(BadInput, IsQuotedInOneShortLineThatATerminalCanShow) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "plan.yaml",
-                            "image: x.png\nresolution: '\x1b[31m" + std::string(9000, '7') + "'\n");
+  files::writeFileAtomically(folder / "plan.yaml",
+                             "image: x.png\nresolution: '\x1b[31m" + std::string(9000, '7') + "'\n");
   const auto result = rasterslam("simulate plan.yaml", folder.path());
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
@@ -77,7 +77,7 @@ TEST(BadInput, PlansThatAreNone) {
   cv::imwrite(folder / "room.png", roomPicture());
   cv::imwrite(folder / "white.png", cv::Mat(20, 20, CV_8UC1, cv::Scalar(255)));
   cv::imwrite(folder / "black.png", cv::Mat(20, 20, CV_8UC1, cv::Scalar(0)));
-  const std::string whole = core::readTextFile(folder / "room.png");
+  const std::string whole = files::readTextFile(folder / "room.png");
   std::ofstream(folder / "cut.png", std::ios::binary) << whole.substr(0, whole.size() / 2);
   std::ofstream(folder / "text.png") << "not a picture";
   std::ofstream(folder / "lost.yaml") << "image: none.png\nresolution: 0.05\norigin: [0, 0, 0]\n";
@@ -179,7 +179,7 @@ TEST(BadInput, MaterialsThatAreNone) {
 TEST(BadInput, LogsThatAreNone) {
   const testing::TempFolder folder;
   writeLog(folder / "good.rawlog", 400);
-  const std::string whole = core::readTextFile(folder / "good.rawlog");
+  const std::string whole = files::readTextFile(folder / "good.rawlog");
   std::ofstream(folder / "cut.rawlog", std::ios::binary) << whole.substr(0, whole.size() * 2 / 3);
   std::ofstream(folder / "text.rawlog") << "this is no log\n";
   std::ofstream(folder / "empty.rawlog");

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/apps/program.h"
 
@@ -38,14 +38,14 @@ inline std::map<std::string, std::string> contents(const std::string& folder) {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
     if (entry.is_regular_file() && !kDiffers.count(entry.path().filename().string()))
       files[std::filesystem::relative(entry.path(), folder).string()] =
-          core::readTextFile(entry.path().string());
+          files::readTextFile(entry.path().string());
   return files;
 }
 
 inline std::vector<std::string> cellsOf(const std::string& folder, const std::string& kind) {
   std::vector<std::string> cells;
   for (const auto& entry : std::filesystem::directory_iterator(folder + "/cells"))
-    if (core::readTextFile(entry.path() / "cell.json").find("\"kind\": \"" + kind + "\"") !=
+    if (files::readTextFile(entry.path() / "cell.json").find("\"kind\": \"" + kind + "\"") !=
         std::string::npos)
       cells.push_back(entry.path().string());
   std::sort(cells.begin(), cells.end());
@@ -53,7 +53,7 @@ inline std::vector<std::string> cellsOf(const std::string& folder, const std::st
 }
 
 inline nlohmann::json resultsOf(const std::string& folder) {
-  return nlohmann::json::parse(core::readTextFile(folder + "/results.json"))["rows"];
+  return nlohmann::json::parse(files::readTextFile(folder + "/results.json"))["rows"];
 }
 
 inline std::size_t timesIn(const std::string& text, const std::string& what) {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/apps/bench_fixture.h"
 
 namespace slam::apps {
@@ -18,7 +18,7 @@ TEST_F(Bench, AGateNamesWhatGotWorseAndEndsWithFive) {
   EXPECT_EQ(same.exit_code, 0) << same.err;
   EXPECT_THAT(same.out, HasSubstr("gate.json: of 8 figures 8 within their tolerance"));
   // As if the path had been nearer once, and no run known to fail.
-  auto gate = nlohmann::json::parse(core::readTextFile(folder / "gate.json"));
+  auto gate = nlohmann::json::parse(files::readTextFile(folder / "gate.json"));
   for (auto& row : gate["rows"])
     if (row["cell"] == "naive on flat" && row["metric"] == "ate_final_m") row["values"] = {0.001, 0.002};
   write(folder / "gate.json", gate.dump());

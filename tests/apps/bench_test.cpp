@@ -10,7 +10,7 @@
 #include <set>
 #include <thread>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/process/worker.h"
 #include "libslam/sweep/sweep.h"
 #include "tests/apps/bench_fixture.h"
@@ -49,8 +49,8 @@ TEST_F(Bench, EveryRowNamesItsFolderAndALineThatMakesItAgain) {
   const auto again = rasterslam(line.substr(std::string("rasterslam ").size()), folder / "out");
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(cellsOf(folder / "out/again", "run").size(), 1U);
-  EXPECT_EQ(core::readTextFile(folder / ("out/" + cell + "/result.json")),
-            core::readTextFile(folder / ("out/again/" + cell + "/result.json")));
+  EXPECT_EQ(files::readTextFile(folder / ("out/" + cell + "/result.json")),
+            files::readTextFile(folder / ("out/again/" + cell + "/result.json")));
 }
 
 TEST_F(Bench, ResumeDoesOnlyWhatIsMissingOrDamaged) {
@@ -60,7 +60,7 @@ TEST_F(Bench, ResumeDoesOnlyWhatIsMissingOrDamaged) {
   const auto runs = cellsOf(folder / "out", "run"), logs = cellsOf(folder / "out", "log");
   fs::remove(runs[0] + "/result.json");  // a copy that was cut short
   write(runs[1] + "/run/trajectory.tum", "1 2 3");
-  const std::string result = core::readTextFile(runs[2] + "/result.json");
+  const std::string result = files::readTextFile(runs[2] + "/result.json");
   write(runs[2] + "/result.json", result.substr(0, result.size() / 2));
   fs::remove_all(logs[0]);
   write(folder / "out/index.sqlite", "not a database");
@@ -79,7 +79,7 @@ TEST_F(Bench, ResumeDoesOnlyWhatIsMissingOrDamaged) {
 TEST_F(Bench, ACopyWithOtherBytesOfTheSameSizeShowsWhenAsked) {
   ASSERT_EQ(bench("tiny.ini -o out -q").exit_code, 0);
   const auto run = cellsOf(folder / "out", "run")[0];
-  std::string path = core::readTextFile(run + "/run/trajectory.tum");
+  std::string path = files::readTextFile(run + "/run/trajectory.tum");
   path[path.size() / 2] = path[path.size() / 2] == '1' ? '2' : '1';
   write(run + "/run/trajectory.tum", path);
   EXPECT_EQ(bench("merge out").exit_code, 0);
@@ -94,7 +94,7 @@ TEST_F(Bench, ACellThatTwoPartsHaveIsFineWhenEqualAndAnErrorOtherwise) {
   EXPECT_EQ(bench("merge part twin -o whole").exit_code, 0);
   const std::string cell = fs::path(cellsOf(folder / "twin", "run")[0]).filename().string();
   const std::string path = folder / ("twin/cells/" + cell + "/result.json");
-  write(path, replaced(core::readTextFile(path), "\"message\": \"\"", "\"message\": \"x\""));
+  write(path, replaced(files::readTextFile(path), "\"message\": \"\"", "\"message\": \"x\""));
   const auto merged = bench("merge part twin -o other");
   EXPECT_EQ(merged.exit_code, 3);
   EXPECT_THAT(merged.err, HasSubstr("two different results: part/cells/" + cell + " and twin/cells/" + cell));
@@ -185,7 +185,7 @@ TEST_F(ShellMethod, ACellThatIsKilledFromOutsideIsTriedThreeTimesAndLeftForResum
   EXPECT_EQ(result.exit_code, 6);
   EXPECT_THAT(result.err, HasSubstr("shell on flat, seed 1 (cell "));
   EXPECT_THAT(result.err, HasSubstr("): killed from outside 3 times, at last by SIGKILL"));
-  EXPECT_EQ(core::readTextFile(folder / "tries"), "x\nx\nx\n");
+  EXPECT_EQ(files::readTextFile(folder / "tries"), "x\nx\nx\n");
   EXPECT_EQ(resultsOf(folder / "out")[0]["status"], "ok");
   EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "missing");
   const auto lost = nlohmann::json::parse(bench("exec tiny.ini -o out -q --json").out);
@@ -255,7 +255,7 @@ TEST_F(ShellMethod, AnInterruptLeavesTablesOfWhatIsDone) {
                           "until ls out/cells/*/run > /dev/null 2>&1; do kill -0 $pid || break; "
                           "done; kill -INT $pid; wait $pid; }");
   ASSERT_EQ(stopped.exit_code, 130) << stopped.err;
-  EXPECT_THAT(core::readTextFile(folder / "out/summary.txt"), HasSubstr("runs are missing"));
+  EXPECT_THAT(files::readTextFile(folder / "out/summary.txt"), HasSubstr("runs are missing"));
   EXPECT_FALSE(fs::exists(folder / "out/partial"));
   write(folder / "go", "");
   ASSERT_EQ(bench("tiny.ini -o out -q --resume").exit_code, 0);
@@ -339,13 +339,13 @@ TEST_F(Bench, ThePlanListsTheCellsAndOtherInputsGiveOtherIds) {
 TEST_F(Bench, TheScriptsForOthersGoOnWhereTheyWere) {
   const auto written = bench("submit tiny.ini -o out --engine slurm --tasks 3 --option=--partition=long");
   ASSERT_EQ(written.exit_code, 0) << written.err;
-  const std::string batch = core::readTextFile(folder / "out/submit/sweep.sbatch");
+  const std::string batch = files::readTextFile(folder / "out/submit/sweep.sbatch");
   EXPECT_THAT(batch, HasSubstr("#SBATCH --array=1-3\n"));
   EXPECT_THAT(batch, HasSubstr("#SBATCH --partition=long\n"));
-  EXPECT_THAT(core::readTextFile(folder / "out/submit/submit.sh"), HasSubstr("--dependency=\"afterany:"));
+  EXPECT_THAT(files::readTextFile(folder / "out/submit/submit.sh"), HasSubstr("--dependency=\"afterany:"));
   EXPECT_THAT(bench("submit tiny.ini -o out --engine parallel").err, HasSubstr("--resume"));
   ASSERT_EQ(bench("submit tiny.ini -o out --engine parallel --tasks 2 --resume").exit_code, 0);
-  const std::string tasks = core::readTextFile(folder / "out/submit/tasks.txt");
+  const std::string tasks = files::readTextFile(folder / "out/submit/tasks.txt");
   EXPECT_EQ(std::count(tasks.begin(), tasks.end(), '\n'), 2);
   // What GNU parallel would do.
   ASSERT_EQ(testing::runCommand("sh '" + folder.path() + "/out/submit/tasks.txt'").exit_code, 0);

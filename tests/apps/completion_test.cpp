@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -117,10 +117,10 @@ TEST(Completion, WorksInZsh) {
 TEST(Manual, HasAPageForEveryCommandThatManCanRead) {
   const testing::TempFolder folder;
   ASSERT_EQ(rasterslam("manual .", folder.path()).exit_code, 0);
-  const std::string whole = core::readTextFile(folder / "rasterslam.1");
+  const std::string whole = files::readTextFile(folder / "rasterslam.1");
   for (const std::string& command : completed("''"))
     EXPECT_THAT(whole, HasSubstr("rasterslam\\-" + command + " (1)"));
-  const std::string page = core::readTextFile(folder / "rasterslam-world.1");
+  const std::string page = files::readTextFile(folder / "rasterslam-world.1");
   EXPECT_THAT(page, HasSubstr("RASTERSLAM WORLD CHECK"));
   EXPECT_THAT(page, HasSubstr("\\-\\-preview"));
   if (!testing::programExists("man")) GTEST_SKIP() << "man is not here";

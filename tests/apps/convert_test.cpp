@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/apps/program.h"
@@ -30,7 +30,7 @@ std::string smallLog(int scans = 6) {
 
 TEST(Convert, WritesARawlogThatInfoReadsAndTheTruthBesideIt) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a.clf", smallLog() + "SONAR 1 2 3\n");
+  files::writeFileAtomically(folder / "a.clf", smallLog() + "SONAR 1 2 3\n");
   const auto result = rasterslam("convert a.clf a.rawlog", folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("read      a.clf (CARMEN log)"));
@@ -54,7 +54,7 @@ TEST(Convert, WritesARawlogThatInfoReadsAndTheTruthBesideIt) {
 
 TEST(Convert, TakesTheFormatFromTheSuffixOrFromTo) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a.clf", smallLog());
+  files::writeFileAtomically(folder / "a.clf", smallLog());
   const auto run = [&folder](const std::string& arguments) {
     return rasterslam("convert " + arguments + " -q --json --overwrite", folder.path());
   };
@@ -70,11 +70,11 @@ TEST(Convert, TakesTheFormatFromTheSuffixOrFromTo) {
 
 TEST(Convert, GivesTheOdometryOrTheTruthOfALogAsATrajectory) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a.clf", smallLog());
+  files::writeFileAtomically(folder / "a.clf", smallLog());
   ASSERT_EQ(rasterslam("convert a.clf a.tum -q", folder.path()).exit_code, 0);
   EXPECT_EQ(logs::readTrajectory(folder / "a.tum").back().pose.x, 2.5);
   ASSERT_EQ(rasterslam("convert a.clf t.csv --path truth -q", folder.path()).exit_code, 0);
-  EXPECT_EQ(core::readTextFile(folder / "t.csv").substr(0, 88),
+  EXPECT_EQ(files::readTextFile(folder / "t.csv").substr(0, 88),
             "time_s,x_m,y_m,yaw_rad\n"
             "1000.250000,0.000000000,0.100000000,0.000000000\n1000.500000,0.500");
 }
@@ -96,9 +96,9 @@ TEST(Convert, TurnsTrajectoriesIntoEachOther) {
 
 TEST(Convert, SaysWhatIsWrongInOneLine) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a.clf", smallLog());
-  core::writeFileAtomically(folder / "bad.clf", smallLog() + "ODOM 1 2 three 0 0 0 5 host 0\n");
-  core::writeFileAtomically(folder / "there.rawlog", "something");
+  files::writeFileAtomically(folder / "a.clf", smallLog());
+  files::writeFileAtomically(folder / "bad.clf", smallLog() + "ODOM 1 2 three 0 0 0 5 host 0\n");
+  files::writeFileAtomically(folder / "there.rawlog", "something");
   const auto errorOf = [&folder](const std::string& arguments) {
     const auto result = rasterslam("convert " + arguments + " -q", folder.path());
     EXPECT_EQ(result.exit_code, 3) << arguments;
@@ -125,7 +125,7 @@ TEST(Convert, SaysWhatIsWrongInOneLine) {
 
 TEST(Convert, AnInterruptLeavesNothing) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a.clf", smallLog(100000));
+  files::writeFileAtomically(folder / "a.clf", smallLog(100000));
   const auto stopped = testing::runCommand("cd '" + folder.path() +
                                            "' && { '" RASTERSLAM_PROGRAM
                                            "' convert a.clf a.rawlog -q & pid=$!; "
@@ -140,19 +140,19 @@ TEST(Convert, AnInterruptLeavesNothing) {
 TEST(AnOperationLog, GoesToTheOriginalFormAndBack) {
   const testing::TempFolder folder;
   const auto in = [&](const std::string& command) { return rasterslam(command, folder.path()); };
-  core::writeFileAtomically(folder / "run.operations.txt", "m -0.5 0.52 0 6\nt 0.3490658503988659 6 7\n");
+  files::writeFileAtomically(folder / "run.operations.txt", "m -0.5 0.52 0 6\nt 0.3490658503988659 6 7\n");
   ASSERT_EQ(in("convert run.operations.txt old.original.txt --pixel 0.1").exit_code, 0);
-  EXPECT_EQ(core::readTextFile(folder / "old.original.txt"), "m\n-5\n5\nt\n20\n");
+  EXPECT_EQ(files::readTextFile(folder / "old.original.txt"), "m\n-5\n5\nt\n20\n");
   const auto back = in("convert old.original.txt new.operations.txt --pixel 0.1");
   ASSERT_EQ(back.exit_code, 0) << back.err;
-  EXPECT_EQ(core::readTextFile(folder / "new.operations.txt"), "m -0.5 0.5\nt 0.3490658503988659\n");
+  EXPECT_EQ(files::readTextFile(folder / "new.operations.txt"), "m -0.5 0.5\nt 0.3490658503988659\n");
   EXPECT_THAT(in("plot operations old.original.txt --pixel 0.1 -o old.png").out,
               HasSubstr("2 operations, path 0.50 m"));
 }
 
 TEST(AnOperationLog, BecomesNothingElse) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "old.txt", "m\n1\n");
+  files::writeFileAtomically(folder / "old.txt", "m\n1\n");
   const auto cut = rasterslam("convert old.txt new.operations.txt", folder.path());
   EXPECT_EQ(cut.exit_code, 3);
   EXPECT_THAT(cut.err, HasSubstr("old.txt:2: the log ends here"));
@@ -164,7 +164,7 @@ TEST(AnOperationLog, BecomesNothingElse) {
 
 TEST(ACarmenLog, IsMappedAndComparedDirectly) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a.clf", smallLog());
+  files::writeFileAtomically(folder / "a.clf", smallLog());
   const auto run = rasterslam("run naive_wheel a.clf -o out", folder.path());
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("6 scans, path 2.50 m"));
@@ -178,7 +178,7 @@ TEST(ACarmenLog, WhoseStampsRunBackGivesATrajectoryInTheOrderOfStamps) {
   std::string text = smallLog();
   // The third scan is stamped before the second.
   for (size_t at; (at = text.find("1000.750000")) != std::string::npos;) text.replace(at, 11, "1000.400000");
-  core::writeFileAtomically(folder / "a.clf", text);
+  files::writeFileAtomically(folder / "a.clf", text);
   const auto run = rasterslam("run naive_wheel a.clf -o out", folder.path());
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("path 2.50 m, end at x 2.50 m")) << "as the robot drove";

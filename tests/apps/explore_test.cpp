@@ -5,7 +5,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -30,7 +31,7 @@ TEST(ExploreCommand, PrintsOneRowPerStrategyAndWritesWhatItSays) {
   const auto scores = nlohmann::json::parse(json.out)["scores"];
   EXPECT_EQ(scores["rows"].size(), 4U);  // medians and quartiles
   EXPECT_FALSE(fs::exists(folder / "json/quadrant"));
-  EXPECT_THAT(core::readTextFile(folder / "json/scores.csv"), HasSubstr("t90_s,t90_s_q1,t90_s_q3"));
+  EXPECT_THAT(files::readTextFile(folder / "json/scores.csv"), HasSubstr("t90_s,t90_s_q1,t90_s_q3"));
 
   const auto again = rasterslam(common + "-o text", folder.path());
   EXPECT_EQ(again.exit_code, 3);
@@ -85,8 +86,8 @@ TEST(ExploreCommand, LetsSeveralRobotsExplore) {
   ASSERT_EQ(rasterslam(common + "-o one", folder.path()).exit_code, 0);
   ASSERT_EQ(rasterslam(common + "--robots 1 -o said", folder.path()).exit_code, 0);
   for (const char* file : {"run.rawlog", "map.gridmap.gz", "exploration.csv", "scores.csv", "path.png"})
-    EXPECT_EQ(core::fileSha256(folder / ("one/" + std::string(file))),
-              core::fileSha256(folder / ("said/" + std::string(file))))
+    EXPECT_EQ(resources::fileSha256(folder / ("one/" + std::string(file))),
+              resources::fileSha256(folder / ("said/" + std::string(file))))
         << file;
 }
 

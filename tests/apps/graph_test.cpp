@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -88,7 +88,7 @@ TEST(GraphCommand, SwitchesAWrongLoopOffWhenAsked) {
   const auto text = rasterslam("graph optimise a.g2o --robust global -o some.g2o --overwrite", folder.path());
   EXPECT_THAT(text.out, HasSubstr("1 loops switched off\n  off: 0 - 10\nglobally optimal: no poses have a "
                                   "lower chi2 with these loops\n  some.g2o\n"));
-  EXPECT_EQ(core::readTextFile(folder / "some.g2o").find("EDGE_SE2 0 10 "), std::string::npos);
+  EXPECT_EQ(files::readTextFile(folder / "some.g2o").find("EDGE_SE2 0 10 "), std::string::npos);
 }
 
 TEST(GraphCommand, FindsTheSameOptimumFromAnywhereAndProvesIt) {
@@ -176,7 +176,7 @@ TEST(GraphCommand, SaysWhatItCannotUnderstand) {
     EXPECT_EQ(result.exit_code, 3) << arguments;
     EXPECT_THAT(result.err, HasSubstr(words)) << arguments;
   }
-  EXPECT_THROW(core::requireReadableFile(folder / "b.g2o"), core::InputError);
+  EXPECT_THROW(files::requireReadableFile(folder / "b.g2o"), core::InputError);
 }
 
 }  // namespace

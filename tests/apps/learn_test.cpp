@@ -5,7 +5,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -78,8 +79,8 @@ TEST(Contest, RanksOursMrptsAndTwoTemplatesAndKeepsOneThatCrashes) {
   ASSERT_EQ(run("new method anna").exit_code, 0);
   ASSERT_EQ(run("new plugin ben").exit_code, 0);
   ASSERT_EQ(run("new method carl").exit_code, 0);
-  core::writeFileAtomically(folder / "carl/carl.py", "import sys\nsys.exit('I have lost my way')\n");
-  core::writeFileAtomically(
+  files::writeFileAtomically(folder / "carl/carl.py", "import sys\nsys.exit('I have lost my way')\n");
+  files::writeFileAtomically(
       folder / "ground.ini",
       "[suite]\nworlds = room\nlidars = urg04lx\nmethods = graph\nfailure_ate_m = 1\n"
       "[odometry]\nscale = 1.05\nheading_bias_degpm = 4\n"
@@ -101,13 +102,14 @@ TEST(Contest, RanksOursMrptsAndTwoTemplatesAndKeepsOneThatCrashes) {
   for (const auto& row : rows)
     if (row["entry"] == "anna" || row["entry"] == "ben") groups[row["entry"] == "ben"] = row["group"];
   EXPECT_EQ(groups[0], groups[1]);
-  const auto page = core::readTextFile(folder / "one/report.html");
+  const auto page = files::readTextFile(folder / "one/report.html");
   for (const char* word : {"Contest", "Standings", "I have lost my way", "anna"})
     EXPECT_THAT(page, HasSubstr(word));
   EXPECT_EQ(page.find(folder.path()), std::string::npos);
   // The same seed is the same contest.
   ASSERT_EQ(run(line + "two --seed 5").exit_code, 0);
-  EXPECT_EQ(core::fileSha256(folder / "one/standings.csv"), core::fileSha256(folder / "two/standings.csv"));
+  EXPECT_EQ(resources::fileSha256(folder / "one/standings.csv"),
+            resources::fileSha256(folder / "two/standings.csv"));
 }
 
 TEST(Contest, RefusesWhatCannotBeHeld) {

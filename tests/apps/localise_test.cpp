@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -48,10 +48,10 @@ TEST_F(InAPlan, AnotherBuildingIsSaidAfterAMinute) {
 }
 
 TEST_F(InAPlan, AMapWithoutAFreePlaceIsRefused) {
-  core::writeFileAtomically(*folder_ / "full.pgm", "P2\n4 4\n255\n0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0\n");
-  core::writeFileAtomically(*folder_ / "full.yaml",
-                            "image: full.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
-                            "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
+  files::writeFileAtomically(*folder_ / "full.pgm", "P2\n4 4\n255\n0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0\n");
+  files::writeFileAtomically(*folder_ / "full.yaml",
+                             "image: full.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
+                             "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
   const auto refused = run("run graph visit.rawlog -o x --localise full.yaml -q");
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_THAT(refused.err, HasSubstr("full.yaml: the picture has no free space"));

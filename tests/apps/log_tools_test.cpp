@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_writer.h"
 #include "tests/apps/program.h"
 
@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 
 /// Scans of a wall ahead, 0.2 s apart, while the robot goes 2 cm each time.
 std::string writeLog(const testing::TempFolder& folder, const std::string& name, int scans) {
-  logs::LogWriter writer(folder / name, logs::RawlogForm::kActionFrame);
+  logs::LogWriter writer(folder / name, rawlogs::RawlogForm::kActionFrame);
   logs::LogEntry entry;
   entry.scan.step_rad = core::degToRad(1);
   entry.scan.first_angle_rad = core::degToRad(-45);
@@ -69,8 +69,8 @@ TEST(CheckCommand, GivesTheSameAsJson) {
 TEST(CheckCommand, ItsExitCodeTellsALogThatCannotBeUsed) {
   const testing::TempFolder folder;
   const std::string path = writeLog(folder, "a.rawlog", 30);
-  const std::string bytes = core::readTextFile(path);
-  core::writeFileAtomically(folder / "half.rawlog", std::string_view(bytes).substr(0, bytes.size() / 2));
+  const std::string bytes = files::readTextFile(path);
+  files::writeFileAtomically(folder / "half.rawlog", std::string_view(bytes).substr(0, bytes.size() / 2));
   const auto half = rasterslam("check half.rawlog", folder.path());
   EXPECT_EQ(half.exit_code, 3);
   EXPECT_THAT(half.out, HasSubstr("error   damage     half.rawlog: truncated"));
@@ -91,7 +91,7 @@ TEST(EditCommands, CutSalvageMergeAndFilterWorkTogether) {
   EXPECT_EQ(json::parse(second.out)["unchanged"], 30);
   const auto whole = rasterslam("merge b.rawlog c.rawlog -o d.rawlog", folder.path());
   EXPECT_EQ(whole.exit_code, 0) << whole.err;
-  EXPECT_EQ(core::readTextFile(folder / "d.rawlog"), core::readTextFile(folder / "a.rawlog"));
+  EXPECT_EQ(files::readTextFile(folder / "d.rawlog"), files::readTextFile(folder / "a.rawlog"));
   const auto thin = rasterslam("filter a.rawlog --every 10 --mount 0.1,0,90 -o e.rawlog", folder.path());
   EXPECT_THAT(thin.out, HasSubstr("60 objects: 1 as they were, 5 changed, 54 dropped\n"
                                   "2 actions took up the motion of dropped steps\n"));
@@ -113,10 +113,10 @@ TEST(EditCommands, ArgmaxIsToldTheCommandsByTheOperationLogAsLongAsAllScansAreTh
   };
   // The wall ahead comes nearer by 2 cm at each scan; the wheels say that this is a move.
   EXPECT_NEAR(driven(""), 0.58, 0.02);
-  core::writeFileAtomically(folder / "a.operations.txt", "m 0 0.58 0 29\n");
+  files::writeFileAtomically(folder / "a.operations.txt", "m 0 0.58 0 29\n");
   EXPECT_NEAR(driven(""), 0.58, 0.02);
   // Told that it only turned, it does not move, whatever the wheels say.
-  core::writeFileAtomically(folder / "a.operations.txt", "t 0 0 29\n");
+  files::writeFileAtomically(folder / "a.operations.txt", "t 0 0 29\n");
   EXPECT_EQ(driven(""), 0);
   // Of every third scan the operation log says nothing.
   EXPECT_NEAR(driven("--every 3"), 0.54, 0.02);
@@ -201,7 +201,7 @@ TEST(Cut, KeepsTruthAndPlan) {
       nlohmann::json::parse(run("compare part.rawlog --methods naive_wheel -o cmp --json -q").out);
   EXPECT_LT(scored["scores"]["rows"][0]["ate_final_m"].get<double>(), 0.2);
   EXPECT_TRUE(scored["scores"]["rows"][0]["wall_f1"].is_number()) << "the plan was found";
-  const auto truth = core::readTextFile(folder / "part.gt.tum");
+  const auto truth = files::readTextFile(folder / "part.gt.tum");
   EXPECT_EQ(std::count(truth.begin(), truth.end(), '\n'), 1 + 25) << "a heading, and 5 s at 5 Hz";
   fs::remove(folder / "part.rawlog");
   EXPECT_THAT(run("cut whole.rawlog --from 4 -o part.rawlog").err, HasSubstr("part.gt.tum"));

@@ -7,9 +7,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/files.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -25,7 +26,7 @@ std::map<std::string, std::string> contents(const std::string& folder) {
     const bool holds_times = name == "timing.csv" || name == "cost.csv" || name == "cost.json" ||
                              name.find("manifest.json") != std::string::npos;
     if (entry.is_regular_file() && !holds_times)
-      hashes[fs::relative(entry.path(), folder).string()] = core::fileSha256(entry.path().string());
+      hashes[fs::relative(entry.path(), folder).string()] = resources::fileSha256(entry.path().string());
   }
   return hashes;
 }
@@ -82,10 +83,10 @@ TEST(EvalGate, PassesItsOwnBaselineAndIsShutByWorse) {
   EXPECT_EQ(same.exit_code, 0) << same.err;
   EXPECT_THAT(same.out, HasSubstr("0 worse, 0 missing"));
 
-  auto gate = nlohmann::json::parse(core::readTextFile(folder / "gate.json"));
+  auto gate = nlohmann::json::parse(files::readTextFile(folder / "gate.json"));
   for (auto& row : gate["rows"])
     if (row["metric"] == "ate_rmse_m") row["value"] = 1e-9, row["absolute"] = 1e-6;
-  core::writeFileAtomically(folder / "strict.json", gate.dump());
+  files::writeFileAtomically(folder / "strict.json", gate.dump());
   const auto worse = at(eval + "--gate strict.json --json");
   EXPECT_EQ(worse.exit_code, 5) << worse.err;
   const auto rows = nlohmann::json::parse(worse.out)["gate"]["rows"];
@@ -96,7 +97,7 @@ TEST(EvalGate, PassesItsOwnBaselineAndIsShutByWorse) {
   const auto missing = at("eval out --truth run.gt.tum --gate gate.json");
   EXPECT_EQ(missing.exit_code, 5);
   EXPECT_THAT(missing.out, HasSubstr("MISSING"));
-  core::writeFileAtomically(folder / "broken.json", "{");
+  files::writeFileAtomically(folder / "broken.json", "{");
   const auto broken = at(eval + "--gate broken.json");
   EXPECT_EQ(broken.exit_code, 3);
   EXPECT_THAT(broken.err, HasSubstr("broken.json: is not JSON"));
@@ -108,7 +109,7 @@ TEST(EvalGate, HoldsRelationsToo) {
   const auto at = [&](const std::string& arguments) { return rasterslam(arguments, folder.path()); };
   logs::writeTum({{1, {0, 0, 0}}, {2, {1, 0, 0}}}, folder / "path.tum");
   logs::writeTum({{1, {0, 0, 0}}, {2, {1.1, 0, 0}}}, folder / "worse.tum");
-  core::writeFileAtomically(folder / "a.relations", "1 2 0.99 0 0 0 0 0\n");
+  files::writeFileAtomically(folder / "a.relations", "1 2 0.99 0 0 0 0 0\n");
   ASSERT_EQ(at("eval path.tum --relations a.relations --write-gate gate.json").exit_code, 0);
   EXPECT_EQ(at("eval path.tum --relations a.relations --gate gate.json").exit_code, 0);
   ASSERT_EQ(at("eval worse.tum --relations a.relations --gate gate.json").exit_code, 3);
@@ -133,7 +134,7 @@ TEST(MainJob, CovariancesAreWrittenAndJudgedWhereAMethodGivesThem) {
     EXPECT_EQ(fs::exists(folder / (method + "/covariances_final.csv")), method == "graph") << method;
     EXPECT_EQ(row["within_95_share"].is_number(), method != "naive_flow") << method;
   }
-  core::writeFileAtomically(folder / "graph/covariances.csv", "0,1,0,0,1,0,1\n");
+  files::writeFileAtomically(folder / "graph/covariances.csv", "0,1,0,0,1,0,1\n");
   const auto cut = at("eval graph --truth run.gt.tum");
   EXPECT_EQ(cut.exit_code, 3);
   EXPECT_THAT(cut.err, HasSubstr("graph/covariances.csv: found 1 covariances, expected one for each of"));

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {

@@ -6,7 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -23,7 +24,7 @@ class AroundMethods : public CommandsInAFolder {
     fill({"simulate corridor -o run.rawlog --duration 20 --set lidar.max_range_m=5 -q"});
   }
   static void write(const std::string& name, const std::string& text) {
-    core::writeFileAtomically(*folder_ / name, text);
+    files::writeFileAtomically(*folder_ / name, text);
   }
 };
 
@@ -65,8 +66,8 @@ TEST_F(AroundMethods, ARunGoesOnOrOnlyLocalises) {
   ASSERT_EQ(run("run graph run.rawlog -o first -q").exit_code, 0);
   EXPECT_EQ(run("run graph run.rawlog -o second --continue first --start 0,0,0 -q").exit_code, 0);
   EXPECT_EQ(run("run graph run.rawlog -o third --localise first --start 0,0,0 -q").exit_code, 0);
-  EXPECT_EQ(core::fileSha256(*folder_ / "first/map.simplemap"),
-            core::fileSha256(*folder_ / "third/map.simplemap"));
+  EXPECT_EQ(resources::fileSha256(*folder_ / "first/map.simplemap"),
+            resources::fileSha256(*folder_ / "third/map.simplemap"));
   const auto alone = run("run graph run.rawlog -o x --start 0,0,0 -q");
   EXPECT_EQ(alone.exit_code, 3);
   EXPECT_THAT(alone.err, HasSubstr("--start belongs to --continue or --localise"));
@@ -93,7 +94,7 @@ TEST_F(AroundMethods, APluginIsCheckedAndCompared) {
   const auto compared = run("compare run.rawlog --methods wheels.ini,naive_wheel,bad.ini -o out");
   EXPECT_EQ(compared.exit_code, 4);
   EXPECT_THAT(compared.out, HasSubstr("bad failed: method bad: {output}:1: found the stamp"));
-  EXPECT_THAT(core::readTextFile(*folder_ / "out/scores.csv"), HasSubstr("\nwheels,"));
+  EXPECT_THAT(files::readTextFile(*folder_ / "out/scores.csv"), HasSubstr("\nwheels,"));
 
   const auto ours = run("plugin check ../none.ini run.rawlog -q");
   EXPECT_EQ(ours.exit_code, 3);
@@ -105,7 +106,7 @@ TEST_F(AroundMethods, AMethodsFileMayNameTheMethodThatItChanges) {
   write("near.ini", "[method]\nbase = graph\n[graph]\nmax_range_m = 4\n");
   const auto ran = run("run near.ini run.rawlog -o near --json -q");
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
-  const auto manifest = nlohmann::json::parse(core::readTextFile(*folder_ / "near/manifest.json"));
+  const auto manifest = nlohmann::json::parse(files::readTextFile(*folder_ / "near/manifest.json"));
   EXPECT_EQ(manifest["config"]["graph.max_range_m"], "4");
   EXPECT_EQ(manifest["config"]["method.type"], "graph");
   write("nothing.ini", "[method]\nbase = grap\n");
@@ -121,7 +122,7 @@ TEST_F(AroundMethods, AComparisonSetsValuesOfTheMethodsThatHaveThem) {
   const auto ran =
       run("compare run.rawlog -o set --methods naive_wheel,graph --set graph.max_range_m=4 --json -q");
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
-  const auto manifest = nlohmann::json::parse(core::readTextFile(*folder_ / "set/graph/manifest.json"));
+  const auto manifest = nlohmann::json::parse(files::readTextFile(*folder_ / "set/graph/manifest.json"));
   EXPECT_EQ(manifest["config"]["graph.max_range_m"], "4");
   const auto nobody = run("compare run.rawlog -o nobody --methods naive_wheel --set graph.max_range_m=4");
   EXPECT_EQ(nobody.exit_code, 3);

@@ -6,7 +6,7 @@
 #include <regex>
 #include <sstream>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_writer.h"
 #include "tests/apps/program.h"
 #include "tests/mapping/small_room.h"
@@ -21,7 +21,7 @@ const std::string kSource = RASTERSLAM_SOURCE_DIR;
 /// A drive with exact scans and no odometry, as from a lidar in somebody's hand.
 mapping::test::Drive writeScansAlone(const std::string& path) {
   auto drive = mapping::test::driveThroughRoom();
-  logs::LogWriter writer(path, logs::RawlogForm::kObservationOnly);
+  logs::LogWriter writer(path, rawlogs::RawlogForm::kObservationOnly);
   for (auto entry : drive.entries) {
     entry.has_odometry = false;
     writer.write(entry);
@@ -32,7 +32,7 @@ mapping::test::Drive writeScansAlone(const std::string& path) {
 
 /// x, y and heading in the last line of a path of MRPT's programs.
 core::Pose2 endOfPath(const std::string& path, size_t yaw_field) {
-  std::istringstream lines(core::readTextFile(path));
+  std::istringstream lines(files::readTextFile(path));
   std::string last;
   for (std::string line; std::getline(lines, line);)
     if (line.find_first_of("0123456789") != std::string::npos) last = line;
@@ -80,9 +80,9 @@ TEST(StockProgramsWithOurOdometry, TellApartALogWithoutOdometryWhichRbpfSlamDoes
 }
 
 TEST(TheExample, ExploresAWorldWithMrptsOwnSlamAndIsTheOneInTheDocuments) {
-  const std::string code = core::readTextFile(kSource + "/apps/examples/explore_with_mrpt.cpp");
+  const std::string code = files::readTextFile(kSource + "/apps/examples/explore_with_mrpt.cpp");
   EXPECT_LE(std::count(code.begin(), code.end(), '\n'), 42);
-  EXPECT_THAT(core::readTextFile(kSource + "/docs/mrpt.md"), HasSubstr("```cpp\n" + code + "```\n"));
+  EXPECT_THAT(files::readTextFile(kSource + "/docs/mrpt.md"), HasSubstr("```cpp\n" + code + "```\n"));
   const testing::TempFolder folder;
   const auto run = testing::runCommand("cd '" + folder.path() + "' && '" RASTERSLAM_EXAMPLE "'");
   EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -92,7 +92,7 @@ TEST(TheExample, ExploresAWorldWithMrptsOwnSlamAndIsTheOneInTheDocuments) {
 
 // Each row of the two tables of components ends with `tests/room/file_test.cpp`: `Name` |
 TEST(TheDocumentForMrptsUsers, NamesATestThatThereIsInEachRow) {
-  std::istringstream lines(core::readTextFile(kSource + "/docs/mrpt.md"));
+  std::istringstream lines(files::readTextFile(kSource + "/docs/mrpt.md"));
   static const std::regex kTest(R"re(`(tests/[^`]+)`: `([^`]+)` \|$)re");
   int rows = 0;
   bool in_components = false;
@@ -101,7 +101,7 @@ TEST(TheDocumentForMrptsUsers, NamesATestThatThereIsInEachRow) {
     if (line.rfind("|---", 0) != 0 && in_components) {
       std::smatch test;
       ASSERT_TRUE(std::regex_search(line, test, kTest)) << line;
-      EXPECT_THAT(core::readTextFile(kSource + "/" + std::string(test[1])),
+      EXPECT_THAT(files::readTextFile(kSource + "/" + std::string(test[1])),
                   HasSubstr(", " + std::string(test[2]) + ")"));
       ++rows;
     }

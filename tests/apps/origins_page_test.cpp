@@ -4,7 +4,7 @@
 #include <regex>
 #include <sstream>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 namespace slam::apps {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 // Each row of that table ends with `tests/room/file_test.cpp`: `Name` |
 TEST(TheOriginsPage, NamesATestThatThereIsForEachNumber) {
   const std::string source = RASTERSLAM_SOURCE_DIR;
-  std::istringstream lines(core::readTextFile(source + "/docs/origins.md"));
+  std::istringstream lines(files::readTextFile(source + "/docs/origins.md"));
   static const std::regex kTest(R"re(`(tests/[^`]+)`: `([^`]+)` \|$)re");
   bool in_numbers = false;
   int rows = 0;
@@ -22,7 +22,7 @@ TEST(TheOriginsPage, NamesATestThatThereIsForEachNumber) {
       std::smatch test;
       ASSERT_TRUE(std::regex_search(line, test, kTest)) << line;
       EXPECT_NE(
-          core::readTextFile(source + "/" + std::string(test[1])).find(", " + std::string(test[2]) + ")"),
+          files::readTextFile(source + "/" + std::string(test[1])).find(", " + std::string(test[2]) + ")"),
           std::string::npos)
           << line;
       ++rows;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -32,14 +32,14 @@ class Outputs : public CommandsInAFolder {
 
 TEST_F(Outputs, LeaveOthersTemporaryFilesAlone) {
   fs::create_directories(folder() / "mine.tmp");
-  core::writeFileAtomically(folder() / "mine.tmp/thesis.txt", "p");
+  files::writeFileAtomically(folder() / "mine.tmp/thesis.txt", "p");
   EXPECT_EQ(run("run naive_wheel run.rawlog -o mine -q").exit_code, 0);
   EXPECT_EQ(run("run naive_wheel none.rawlog -o mine2 -q").exit_code, 3);
-  EXPECT_EQ(core::readTextFile(folder() / "mine.tmp/thesis.txt"), "p");
-  core::writeFileAtomically(folder() / "target", "q");
+  EXPECT_EQ(files::readTextFile(folder() / "mine.tmp/thesis.txt"), "p");
+  files::writeFileAtomically(folder() / "target", "q");
   fs::create_symlink("target", folder() / "copy.rawlog.tmp");
   EXPECT_EQ(run("convert run.rawlog copy.rawlog").exit_code, 0);
-  EXPECT_EQ(core::readTextFile(folder() / "target"), "q");
+  EXPECT_EQ(files::readTextFile(folder() / "target"), "q");
   EXPECT_TRUE(fs::is_symlink(folder() / "copy.rawlog.tmp"));
 }
 
@@ -114,7 +114,8 @@ TEST_F(Outputs, GoToStandardOutputWhereTheyAreOneStream) {
     for (const std::string name : {"-", "/dev/stdout"}) {
       const auto stream = shell("\"$R\" " + command + " -o " + name + " >stream");
       EXPECT_EQ(stream.exit_code, 0) << command << ": " << stream.err;
-      EXPECT_EQ(core::readTextFile(folder() / "stream"), core::readTextFile(folder() / ("whole." + suffix)));
+      EXPECT_EQ(files::readTextFile(folder() / "stream"),
+                files::readTextFile(folder() / ("whole." + suffix)));
     }
     EXPECT_EQ(shell("\"$R\" " + command + " -o - >/dev/full").exit_code, 1) << command;
   }
@@ -148,7 +149,7 @@ TEST_F(Outputs, OfKilledWritersAreCleanedUp) {
 
 // Ctrl-C reaches all that runs in the terminal: the comparison and the methods' processes.
 TEST_F(Outputs, SayOnceThatTheyWereInterruptedAndHowToGoOn) {
-  core::writeFileAtomically(
+  files::writeFileAtomically(
       folder() / "waits.ini",
       "[method]\ntype = external\ncommand = touch {here}/waiting; sleep 600; echo {output}\n");
   const auto stopped = shell(
@@ -164,13 +165,13 @@ TEST_F(Outputs, SayOnceThatTheyWereInterruptedAndHowToGoOn) {
 
 TEST(SlurmScripts, HoldNoLineOfOthers) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(
+  files::writeFileAtomically(
       folder / "a b;echo $(id).ini",
       "[suite]\nworlds = flat\nmethods = naive_wheel\nseeds = 1\n[simulation]\nduration_s = 5\n");
   const std::string submit = "bench submit \"a b;echo \\$(id).ini\" --engine slurm --tasks 2 -q -o ";
   const auto made = rasterslam(submit + "out", folder.path());
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_THAT(core::readTextFile(folder / "out/submit/sweep.sbatch"),
+  EXPECT_THAT(files::readTextFile(folder / "out/submit/sweep.sbatch"),
               HasSubstr("--job-name=a_b_echo___id_\n"));
   for (const std::string refused : {"$'b\nreboot'", "'c\"d'"}) {
     const auto no = testing::runCommand(

@@ -7,7 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -39,7 +40,7 @@ TEST(Plot, DrawsAnyScanOfALog) {
   EXPECT_NEAR(facts["time_s"].get<double>(), 1700000003, 1e-6);
   EXPECT_TRUE(isPicture(folder / "scan.png"));
   EXPECT_TRUE(isPicture(folder / "last.png"));
-  EXPECT_NE(core::fileSha256(folder / "scan.png"), core::fileSha256(folder / "last.png"));
+  EXPECT_NE(resources::fileSha256(folder / "scan.png"), resources::fileSha256(folder / "last.png"));
 }
 
 TEST(Plot, RefusesAScanThatTheLogDoesNotHold) {
@@ -149,14 +150,14 @@ TEST(Plot, DrawsAComparisonInEveryFormat) {
       ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
       EXPECT_EQ(drawn.out, file + "\n");
     }
-    EXPECT_THAT(core::readTextFile(folder / (kind + ".svg")), HasSubstr("width=\"85mm\""));
-    EXPECT_THAT(core::readTextFile(folder / (kind + ".svg")), HasSubstr(">icp</text>"));
+    EXPECT_THAT(files::readTextFile(folder / (kind + ".svg")), HasSubstr("width=\"85mm\""));
+    EXPECT_THAT(files::readTextFile(folder / (kind + ".svg")), HasSubstr(">icp</text>"));
     EXPECT_EQ(cv::imread(folder / (kind + ".png")).cols, 1004);  // 300 dpi
   }
   const auto one = rasterslam("plot paths out -q --methods icp -o one.svg --json", folder.path());
   ASSERT_EQ(one.exit_code, 0) << one.err;
   EXPECT_EQ(nlohmann::json::parse(one.out)["paths"], nlohmann::json({"icp", "true path"}));
-  EXPECT_THAT(core::readTextFile(folder / "one.svg"), HasSubstr("width=\"170mm\""));  // a page
+  EXPECT_THAT(files::readTextFile(folder / "one.svg"), HasSubstr("width=\"170mm\""));  // a page
   const auto unknown = rasterslam("plot errors out -q --methods icq -o no.svg", folder.path());
   EXPECT_EQ(unknown.exit_code, 3);
   EXPECT_THAT(unknown.err,

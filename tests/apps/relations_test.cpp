@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/files.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/apps/program.h"
 
@@ -104,8 +104,8 @@ TEST(CompareByRelations, ScoresEveryPathOnlineAndFinal) {
   ASSERT_EQ(text.exit_code, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("Error against"));
   for (const char* file : {"relations.txt", "relations.csv", "relations.json", "worst_relations.csv"})
-    EXPECT_EQ(core::fileSha256(folder / ("one/" + std::string(file))),
-              core::fileSha256(folder / ("two/" + std::string(file))))
+    EXPECT_EQ(resources::fileSha256(folder / ("one/" + std::string(file))),
+              resources::fileSha256(folder / ("two/" + std::string(file))))
         << file;
   const auto run = rasterslam("eval two/rbpf_exact --relations run.relations --json", folder.path());
   EXPECT_EQ(nlohmann::json::parse(run.out)["relations"]["rows"].size(), 2U) << run.err;

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -19,7 +19,7 @@ using ::testing::Not;
 std::string pageOf(const std::string& folder, const testing::TempFolder& place) {
   const auto result = rasterslam("report " + folder + " -o page.html --overwrite -q", place.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  return result.exit_code == 0 ? core::readTextFile(place / "page.html") : "";
+  return result.exit_code == 0 ? files::readTextFile(place / "page.html") : "";
 }
 
 /// What a page says first. Whole pages would drown a failure's message.
@@ -75,16 +75,16 @@ TEST(Report, AStressTestHasItsCurvesWithIntervalsAndWhereMethodsBreak) {
 
 TEST(Report, ASweepThatIsNotWholeSaysWhatIsMissing) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "tiny.ini",
-                            "[suite]\nworlds = flat\nmethods = naive_wheel, naive_flow\nseeds = 1..3\n"
-                            "[simulation]\nduration_s = 10\n[lidar]\nbeams = 31\n");
+  files::writeFileAtomically(folder / "tiny.ini",
+                             "[suite]\nworlds = flat\nmethods = naive_wheel, naive_flow\nseeds = 1..3\n"
+                             "[simulation]\nduration_s = 10\n[lidar]\nbeams = 31\n");
   ASSERT_EQ(rasterslam("bench tiny.ini -o out -q", folder.path()).exit_code, 0);
   const auto whole = pageOf("out", folder);
   EXPECT_THAT(verdictOf(whole), HasSubstr("6 runs were planned, and all of them have ended."));
   EXPECT_TRUE(has(whole, "Methods by "));
   EXPECT_THAT(verdictOf(whole), Not(HasSubstr("class=\"missing\"")));
 
-  const auto rows = nlohmann::json::parse(core::readTextFile(folder / "out/results.json"))["rows"];
+  const auto rows = nlohmann::json::parse(files::readTextFile(folder / "out/results.json"))["rows"];
   int removed = 0;
   for (const auto& row : rows)
     if (row["method"] == "naive_flow" && ++removed <= 2)
@@ -123,7 +123,7 @@ TEST(Report, ExplorationsHaveTheirCurvesGoalsAndReplays) {
   EXPECT_EQ(replays[0]["moments"][0][1], "decision");
   EXPECT_EQ(replays[0]["operations"][0], "");
   // The log's first line, to four digits: nearest_frontier begins with a turn.
-  const auto log = core::readTextFile(folder / "out/nearest_frontier/seed_1/run.operations.txt");
+  const auto log = files::readTextFile(folder / "out/nearest_frontier/seed_1/run.operations.txt");
   ASSERT_EQ(log[0], 't');
   const std::string first = replays[0]["operations"][1];
   EXPECT_EQ(first[0], 't');
@@ -176,7 +176,7 @@ TEST(Report, WithoutTruthTheMethodThatOthersAgreeWithComesFirst) {
       rasterslam("compare lone.rawlog --methods naive_wheel,graph,icp,naive_flow -q -o out", folder.path())
           .exit_code,
       0);
-  const auto rows = nlohmann::json::parse(core::readTextFile(folder / "out/scores.json"))["rows"];
+  const auto rows = nlohmann::json::parse(files::readTextFile(folder / "out/scores.json"))["rows"];
   const auto nearest = std::min_element(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
     return a["agreement_m"] < b["agreement_m"];
   });

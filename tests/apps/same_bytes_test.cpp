@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -28,7 +28,7 @@ std::map<std::string, std::string> contents(const std::string& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file() && !kDiffers.count(entry.path().filename().string()))
-      files[fs::relative(entry.path(), folder).string()] = core::readTextFile(entry.path().string());
+      files[fs::relative(entry.path(), folder).string()] = files::readTextFile(entry.path().string());
   return files;
 }
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -29,13 +29,13 @@ TEST(Stress, FindsWhereWheelsThatSlipBreakAMethodAndSaysWhy) {
   ASSERT_EQ(one.exit_code, 0) << one.err;
   EXPECT_THAT(one.out, HasSubstr("naive_wheel: breaks at 30 and above (holds at 0.01)"));
   EXPECT_TRUE(fs::exists(folder / "one/stress.png"));
-  const auto manifest = nlohmann::json::parse(core::readTextFile(folder / "one/manifest.json"));
+  const auto manifest = nlohmann::json::parse(files::readTextFile(folder / "one/manifest.json"));
   for (const auto& [file, meaning] : manifest["files"].items())
     EXPECT_TRUE(fs::exists(folder / ("one/" + file))) << meaning;
   EXPECT_TRUE(manifest["files"].contains("stress.png"));
   EXPECT_TRUE(manifest["files"].contains("results.csv"));
-  EXPECT_THAT(core::readTextFile(folder / "one/plan.json"), Not(HasSubstr(folder.path())));
-  const auto failures = nlohmann::json::parse(core::readTextFile(folder / "one/failures.json"))["rows"];
+  EXPECT_THAT(files::readTextFile(folder / "one/plan.json"), Not(HasSubstr(folder.path())));
+  const auto failures = nlohmann::json::parse(files::readTextFile(folder / "one/failures.json"))["rows"];
   nlohmann::json failure;  // of the wheels that slip much
   int slipped = 0;
   for (const auto& row : failures) {
@@ -49,8 +49,8 @@ TEST(Stress, FindsWhereWheelsThatSlipBreakAMethodAndSaysWhy) {
   // The same bytes with two jobs, and of cells that are there already.
   ASSERT_EQ(rasterslam(std::string(kSlipping) + " -o two -j 2", folder.path()).exit_code, 0);
   for (const char* name : {"stress.csv", "stress.tex", "stress.png", "failures.csv", "suite.ini"})
-    EXPECT_EQ(core::readTextFile(folder / ("one/" + std::string(name))),
-              core::readTextFile(folder / ("two/" + std::string(name))))
+    EXPECT_EQ(files::readTextFile(folder / ("one/" + std::string(name))),
+              files::readTextFile(folder / ("two/" + std::string(name))))
         << name;
   EXPECT_THAT(rasterslam(std::string(kSlipping) + " -o two", folder.path()).err, HasSubstr("--resume"));
   EXPECT_EQ(rasterslam(std::string(kSlipping) + " -o two --resume", folder.path()).out,
@@ -58,7 +58,7 @@ TEST(Stress, FindsWhereWheelsThatSlipBreakAMethodAndSaysWhy) {
 
   // The run's folder by itself says the same.
   const std::string cell = "one/" + failure["folder"].get<std::string>() + "/run";
-  const auto logs = nlohmann::json::parse(core::readTextFile(folder / "one/results.json"))["rows"];
+  const auto logs = nlohmann::json::parse(files::readTextFile(folder / "one/results.json"))["rows"];
   std::string log;
   for (const auto& row : logs)
     if (row["run"] == failure["run"]) log = "one/" + row["log_folder"].get<std::string>();
@@ -80,7 +80,7 @@ TEST(Tune, JudgesOnHeldOutWorldsAndGoesOnWhereItWas) {
   const std::string command = "tune icp tiny.ini --budget 12 -q";
   const auto one = rasterslam(command + " -o one", folder.path());
   ASSERT_EQ(one.exit_code, 0) << one.err;
-  const std::string tuned = core::readTextFile(folder / "one/icp_tuned.ini");
+  const std::string tuned = files::readTextFile(folder / "one/icp_tuned.ini");
   EXPECT_THAT(tuned, HasSubstr("# icp tuned on tiny.ini (worlds flat), budget 12 runs, seed 1."));
   EXPECT_THAT(tuned, HasSubstr("decimation"));
   ASSERT_EQ(rasterslam(command + " -o two -j 2", folder.path()).exit_code, 0);
@@ -88,8 +88,8 @@ TEST(Tune, JudgesOnHeldOutWorldsAndGoesOnWhereItWas) {
   fs::remove_all(fs::directory_iterator(folder / "two/training/cells")->path());
   ASSERT_EQ(rasterslam(command + " -o two --resume", folder.path()).exit_code, 0);
   for (const char* name : {"icp_tuned.ini", "candidates.csv", "sensitivity.csv", "verdict.txt"})
-    EXPECT_EQ(core::readTextFile(folder / ("one/" + std::string(name))),
-              core::readTextFile(folder / ("two/" + std::string(name))))
+    EXPECT_EQ(files::readTextFile(folder / ("one/" + std::string(name))),
+              files::readTextFile(folder / ("two/" + std::string(name))))
         << name;
   // What came out is a method like any other.
   std::string log;
@@ -97,7 +97,7 @@ TEST(Tune, JudgesOnHeldOutWorldsAndGoesOnWhereItWas) {
     if (fs::exists(cell.path() / "run.rawlog")) log = (cell.path() / "run.rawlog").string();
   const auto page = rasterslam("report one -o tuned.html", folder.path());
   EXPECT_EQ(page.exit_code, 0) << page.err;
-  EXPECT_THAT(core::readTextFile(folder / "tuned.html"), HasSubstr("<title>Tuning"));
+  EXPECT_THAT(files::readTextFile(folder / "tuned.html"), HasSubstr("<title>Tuning"));
   const auto run = rasterslam("run one/icp_tuned.ini " + log + " -o again -q", folder.path());
   EXPECT_EQ(run.exit_code, 0) << run.err;
 }
@@ -109,7 +109,7 @@ TEST(Stress, AnOfficeOfOneCorridorTakesAnyLength) {
       "--set lidar.beams=31 -o out -q",
       folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto rows = nlohmann::json::parse(core::readTextFile(folder / "out/results.json"))["rows"];
+  const auto rows = nlohmann::json::parse(files::readTextFile(folder / "out/results.json"))["rows"];
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0]["world"], "office height_m=12 width_m=20");
   EXPECT_EQ(rows[1]["status"], "ok");

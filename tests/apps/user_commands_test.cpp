@@ -5,7 +5,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -16,7 +17,7 @@ using ::testing::HasSubstr;
 const std::string kStart = "simulate flat --set 'simulation.start=3 3 0' --set lidar.beams=181 ";
 
 void write(const std::string& path, const std::string& text) {
-  core::writeFileAtomically(path, text);
+  files::writeFileAtomically(path, text);
 }
 
 TEST(UserCommands, DriveARobotAndSayWhatBecameOfThem) {
@@ -26,14 +27,14 @@ TEST(UserCommands, DriveARobotAndSayWhatBecameOfThem) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("5 scans in "));
   EXPECT_THAT(result.out, HasSubstr("line 4: move 50 ended at an obstacle after "));
-  const auto operations = core::readTextFile(folder / "run.operations.txt");
+  const auto operations = files::readTextFile(folder / "run.operations.txt");
   EXPECT_EQ(std::count(operations.begin(), operations.end(), '\n'), 4);
   const auto again = rasterslam(kStart + "--commands - -o b.rawlog --json < drive.txt", folder.path());
   ASSERT_EQ(again.exit_code, 0) << again.err;
   const auto json = nlohmann::json::parse(again.out);
   EXPECT_EQ(json["commands_left"], 0);
   EXPECT_EQ(json["stopped"].at(0)["line"], 4);
-  EXPECT_EQ(core::fileSha256(folder / "run.rawlog"), core::fileSha256(folder / "b.rawlog"));
+  EXPECT_EQ(resources::fileSha256(folder / "run.rawlog"), resources::fileSha256(folder / "b.rawlog"));
 }
 
 TEST(UserCommands, AreRefusedInOneLineBeforeAnythingIsWritten) {

@@ -5,7 +5,8 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -88,7 +89,7 @@ TEST(ViewCommand, ScreenshotsOfMethodsAndReplaysAreRepeatable) {
     if (first.exit_code == 1 && first.err.find("EGL") != std::string::npos) GTEST_SKIP() << first.err;
     ASSERT_EQ(first.exit_code, 0) << first.err;
     ASSERT_EQ(withoutDisplay(command + "b.png", folder.path()).exit_code, 0);
-    EXPECT_EQ(core::fileSha256(folder / "a.png"), core::fileSha256(folder / "b.png")) << what;
+    EXPECT_EQ(resources::fileSha256(folder / "a.png"), resources::fileSha256(folder / "b.png")) << what;
     const auto picture = cv::imread(folder / "a.png");
     EXPECT_GT(spotOf(picture, {0, 94, 213}).pixels, 50) << what;       // robot and scan
     EXPECT_GT(spotOf(picture, {178, 114, 0}).pixels, 50) << what;      // path
@@ -148,13 +149,14 @@ TEST(ViewCommand, AWindowShowsARunToItsEndAndKeepsItsFiles) {
   EXPECT_THAT(shown.out, HasSubstr("16 scans in 3.0 s"));
   ASSERT_EQ(rasterslam("simulate -o b.rawlog" + options, folder.path()).exit_code, 0);
   for (const std::string suffix : {".rawlog", ".gt.tum", ".operations.txt", ".rawlog.GT.txt"})
-    EXPECT_EQ(core::fileSha256(folder / ("a" + suffix)), core::fileSha256(folder / ("b" + suffix))) << suffix;
+    EXPECT_EQ(resources::fileSha256(folder / ("a" + suffix)), resources::fileSha256(folder / ("b" + suffix)))
+        << suffix;
 }
 
 TEST(ViewCommand, ADriveByCommandsShowsTheMapThatGrows) {
   SKIP_WITHOUT_VIEWER();
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "drive.txt", "move 1\nturn 90\nmove 1\nturn 90\nmove 1\n");
+  files::writeFileAtomically(folder / "drive.txt", "move 1\nturn 90\nmove 1\nturn 90\nmove 1\n");
   const std::string command = "view drive flat --start 4,3,0 --commands drive.txt --screenshot ";
   int walls = 0;
   for (const std::string slam : {"naive_wheel", "odometry"}) {
@@ -182,7 +184,7 @@ TEST(ViewCommand, ADriveByCommandsInAWindowWritesWhatSimulateWrites) {
   if (!testing::programExists("xvfb-run") || !testing::programExists("xauth"))
     GTEST_SKIP() << "xvfb-run or xauth is missing (Debian: apt install xvfb xauth)";
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "drive.txt", "move 0.5\nturn 90\nmove 0.5\n");
+  files::writeFileAtomically(folder / "drive.txt", "move 0.5\nturn 90\nmove 0.5\n");
   const std::string options = " flat --commands drive.txt --carry 1.5:11,3,0 --set lidar.beams=91 --seed 4";
   const auto shown = testing::runCommand(
       "cd '" + folder.path() +
@@ -193,7 +195,8 @@ TEST(ViewCommand, ADriveByCommandsInAWindowWritesWhatSimulateWrites) {
   EXPECT_THAT(shown.out, HasSubstr("kidnapped at 1.5 s"));
   ASSERT_EQ(rasterslam("simulate -o b.rawlog" + options, folder.path()).exit_code, 0);
   for (const std::string suffix : {".rawlog", ".gt.tum", ".operations.txt", ".rawlog.GT.txt", ".carries.csv"})
-    EXPECT_EQ(core::fileSha256(folder / ("a" + suffix)), core::fileSha256(folder / ("b" + suffix))) << suffix;
+    EXPECT_EQ(resources::fileSha256(folder / ("a" + suffix)), resources::fileSha256(folder / ("b" + suffix)))
+        << suffix;
 }
 
 TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
@@ -204,7 +207,7 @@ TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
   const testing::TempFolder folder;
   // The scene is 950 x 800 pixels and the flat 13.6 x 10.6 m: from above 63.5 pixels are a metre, its middle
   // is in the middle. The robot starts at (4, 3) and is dragged to (11, 3) as soon as the window is there.
-  core::writeFileAtomically(
+  files::writeFileAtomically(
       folder / "hand.sh",
       "'" RASTERSLAM_PROGRAM
       "' view drive flat --start 4,3,0 --set lidar.beams=91 -o a.rawlog > out.txt 2> "
@@ -220,8 +223,8 @@ TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
                           "' && LIBGL_ALWAYS_SOFTWARE=1 timeout 120 xvfb-run -a -s '-screen 0 "
                           "1280x800x24' sh hand.sh");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto out = core::readTextFile(folder / "out.txt");
-  EXPECT_THAT(out, HasSubstr("kidnapped at ")) << core::readTextFile(folder / "err.txt");
+  const auto out = files::readTextFile(folder / "out.txt");
+  EXPECT_THAT(out, HasSubstr("kidnapped at ")) << files::readTextFile(folder / "err.txt");
   EXPECT_THAT(out, HasSubstr("over 0.5 m"));
   EXPECT_THAT(out, HasSubstr("to (11.0"));
 }

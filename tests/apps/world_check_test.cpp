@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/apps/program.h"
 #include "tests/check/architect_plan.h"
 
@@ -86,11 +86,11 @@ TEST(WorldCheck, KeepsToEightyColumns) {
 TEST(WorldCheck, MendsAPlanInWhichTheRobotThenDrives) {
   const testing::TempFolder folder;
   drawPlan(folder);
-  const std::string original = core::fileSha256(folder / "plan.png");
+  const std::string original = resources::fileSha256(folder / "plan.png");
   const auto fixed = rasterslam("world check plan.png --fix", folder.path());
   ASSERT_EQ(fixed.exit_code, 0) << fixed.err;
   EXPECT_THAT(fixed.out, HasSubstr("\nnothing to mend\nsize"));
-  EXPECT_EQ(core::fileSha256(folder / "plan.png"), original);
+  EXPECT_EQ(resources::fileSha256(folder / "plan.png"), original);
   for (const std::string file : {"plan.fixed.yaml", "plan.fixed.png", "plan.fixed.before_after.png"})
     EXPECT_TRUE(fs::exists(folder / file)) << file;
   EXPECT_GT(cv::imread(folder / "plan.fixed.before_after.png").cols, 600);
@@ -110,16 +110,16 @@ TEST(WorldCheck, MendsAPlanInWhichTheRobotThenDrives) {
 TEST(WorldCheck, NeverWritesOverThePlanItself) {
   const testing::TempFolder folder;
   drawPlan(folder);
-  const std::string original = core::fileSha256(folder / "plan.png");
+  const std::string original = resources::fileSha256(folder / "plan.png");
   const auto result = rasterslam("world check plan.png --fix -o plan.yaml --overwrite", folder.path());
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_THAT(result.err, HasSubstr("would replace the plan"));
-  EXPECT_EQ(core::fileSha256(folder / "plan.png"), original);
+  EXPECT_EQ(resources::fileSha256(folder / "plan.png"), original);
   // Nor the picture that a yaml names.
   std::ofstream(folder / "map.yaml") << "image: plan.png\nresolution: 0.025\norigin: [0, 0, 0]\n";
   const auto through_yaml = rasterslam("world check map.yaml --fix -o plan.yaml --overwrite", folder.path());
   EXPECT_EQ(through_yaml.exit_code, 3);
-  EXPECT_EQ(core::fileSha256(folder / "plan.png"), original);
+  EXPECT_EQ(resources::fileSha256(folder / "plan.png"), original);
 }
 
 TEST(WorldCheck, GivesItsFindingsAsJson) {

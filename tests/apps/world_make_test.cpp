@@ -7,7 +7,7 @@
 
 #include "libslam/buildings/building.h"
 #include "libslam/buildings/generator.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {

@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/robot/mrpt_types.h"
 #include "tests/mapping/small_room.h"
 
 namespace slam::builders {
@@ -23,7 +23,7 @@ using mrpt::maps::COccupancyGridMap2D;
 constexpr double kStep_deg = 1;  // 181 beams over 180 degrees
 
 mrpt::obs::CObservation2DRangeScan mrptScan(const core::Pose2& T_room_robot, bool right_to_left = true) {
-  auto scan = *robot::toMrpt(mapping::test::scanRoom(T_room_robot, 1.6e9));
+  auto scan = *lidar::toMrpt(mapping::test::scanRoom(T_room_robot, 1.6e9));
   if (right_to_left) return scan;
   const size_t beams = scan.getScanSize();
   auto turned = scan;
@@ -182,18 +182,18 @@ TEST(ExactGrid, SurvivesAFileAndACopy) {
 // The stock grid cleared 17.5 m (half of its limit) for an 8 m lidar, and as much through a wall for a lost
 // reading.
 TEST(ExactGrid, ClearsNoReturnsAsFarAsTheLidarSeesAndNothingForLostReadings) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.time_s = 1.6e9;
   scan.first_angle_rad = -core::kPi / 2;
   scan.step_rad = core::kPi / 180;
   scan.max_range_m = 8;
-  scan.ranges_m.assign(181, robot::kNoReturn);
-  std::fill_n(scan.ranges_m.begin(), 60, robot::kLostReading);  // the right third
+  scan.ranges_m.assign(181, lidar::kNoReturn);
+  std::fill_n(scan.ranges_m.begin(), 60, lidar::kLostReading);  // the right third
   std::fill_n(scan.ranges_m.begin() + 121, 60, 3.0F);           // the left third: a wall
   ExactGrid grid(-20, 20, -20, 20, 0.1F);
   grid.insertionOptions.maxDistanceInsertion = 15;
   grid.insertionOptions.considerInvalidRangesAsFreeSpace = true;
-  grid.insertObservation(*robot::toMrpt(scan));
+  grid.insertObservation(*lidar::toMrpt(scan));
   const auto at = [&](double range_m, double angle_deg) {
     const double a = core::degToRad(angle_deg);
     return grid.getPos(static_cast<float>(range_m * std::cos(a)), static_cast<float>(range_m * std::sin(a)));
@@ -211,7 +211,7 @@ TEST(ExactGrid, ClearsNoReturnsAsFarAsTheLidarSeesAndNothingForLostReadings) {
   EXPECT_TRUE(grid.insertionOptions.considerInvalidRangesAsFreeSpace);
   ExactGrid careful(-20, 20, -20, 20, 0.1F);
   careful.insertionOptions.considerInvalidRangesAsFreeSpace = false;
-  careful.insertObservation(*robot::toMrpt(scan));
+  careful.insertObservation(*lidar::toMrpt(scan));
   EXPECT_EQ(careful.getPos(4, 0), careful.getPos(-10, 0));
 }
 

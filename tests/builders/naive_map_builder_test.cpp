@@ -8,7 +8,7 @@
 #include <mrpt/poses/CPosePDFGaussian.h>
 
 #include "libslam/builders/exact_grid.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::builders {
 namespace {
@@ -17,19 +17,19 @@ using mrpt::obs::CActionRobotMovement2D;
 
 /// Three beams to the right, ahead and to the left; only the middle one returns, at 2 m, and the left one
 /// at 1.
-robot::Scan threeBeams() {
-  robot::Scan scan;
+lidar::Scan threeBeams() {
+  lidar::Scan scan;
   scan.first_angle_rad = -core::kPi / 2;
   scan.step_rad = core::kPi / 2;
   scan.max_range_m = 10;
-  scan.ranges_m = {robot::kNoReturn, 2, 1};
+  scan.ranges_m = {lidar::kNoReturn, 2, 1};
   return scan;
 }
 
 void process(NaiveMapBuilder& builder, const mrpt::obs::CActionCollection& actions) {
   mrpt::obs::CActionCollection copy = actions;
   mrpt::obs::CSensoryFrame frame;
-  frame.insert(robot::toMrpt(threeBeams()));
+  frame.insert(lidar::toMrpt(threeBeams()));
   builder.processActionObservation(copy, frame);
 }
 

@@ -7,8 +7,8 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/robot/mrpt_types.h"
 #include "tests/mapping/small_room.h"
 
 namespace slam::builders {
@@ -81,7 +81,7 @@ TEST(ParticleMapBuilder, ContinuesFromASavedMapAndLocalisesInIt) {
   auto second = makeMethod();
   const auto& truth = drive.truth[30];
   const mrpt::poses::CPosePDFGaussian start(
-      mrpt::poses::CPose2D(robot::toMrpt(core::Pose2{truth.x + 0.1, truth.y - 0.05, truth.phi + 0.05})));
+      mrpt::poses::CPose2D(lidar::toMrpt(core::Pose2{truth.x + 0.1, truth.y - 0.05, truth.phi + 0.05})));
   mrptBuilder(second).initialize(saved, &start);
   mrptBuilder(second).options.enableMapUpdating = false;
   for (size_t i = 30; i < 50; ++i) {
@@ -97,7 +97,7 @@ TEST(ParticleMapBuilder, ItsJournalIsTheFilters) {
   const auto drive = mapping::test::driveThroughRoom();
   run(method, drive);
   auto blind = drive.entries.back().scan;
-  for (auto& range_m : blind.ranges_m) range_m = robot::kNoReturn;
+  for (auto& range_m : blind.ranges_m) range_m = lidar::kNoReturn;
   mapping::processScan(method, blind, {}, true);
   const auto journal = journalOf(method);
   ASSERT_FALSE(journal.empty());
@@ -112,15 +112,15 @@ TEST(ParticleMapBuilder, KeepsTheMotionOfFramesWithoutAScan) {
   auto whole = makeMethod(), split = makeMethod();
   run(whole, drive);
   mapping::processScan(split, drive.entries[0].scan, {}, true);
-  const auto feed = [&](const core::Pose2& motion, const robot::Scan* scan) {
+  const auto feed = [&](const core::Pose2& motion, const lidar::Scan* scan) {
     mrpt::obs::CActionRobotMovement2D action;
     mrpt::obs::CActionRobotMovement2D::TMotionModelOptions model;
     model.modelSelection = mrpt::obs::CActionRobotMovement2D::mmGaussian;
-    action.computeFromOdometry(mrpt::poses::CPose2D(robot::toMrpt(motion)), model);
+    action.computeFromOdometry(mrpt::poses::CPose2D(lidar::toMrpt(motion)), model);
     mrpt::obs::CActionCollection actions;
     actions.insert(action);
     mrpt::obs::CSensoryFrame frame;
-    if (scan) frame.insert(robot::toMrpt(*scan));
+    if (scan) frame.insert(lidar::toMrpt(*scan));
     mrptBuilder(split).processActionObservation(actions, frame);
   };
   feed(drive.entries[1].T_previous_robot, nullptr);

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/core/random.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/world/clearance.h"
 #include "libslam/world/region.h"
@@ -28,7 +28,7 @@ std::string hashOf(const world::Plan& plan) {
     bytes += static_cast<char>('a' + static_cast<int>(material));
   for (const world::Door& door : plan.doors)
     for (const int end : {door.x0, door.y0, door.x1, door.y1}) bytes += " " + std::to_string(end);
-  return core::sha256(bytes).substr(0, 16);
+  return resources::sha256(bytes).substr(0, 16);
 }
 
 size_t regionsOf(const world::Plan& plan, const std::vector<char>& marked) {

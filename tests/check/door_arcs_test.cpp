@@ -1,4 +1,4 @@
-#include "libslam/check/door_arcs.h"
+#include "libslam/drafting/door_arcs.h"
 
 #include <gtest/gtest.h>
 
@@ -45,13 +45,13 @@ TEST(DoorArcs, AreFoundInAScanWhoseThinLinesAreTooPaleForWalls) {
 }
 
 TEST(DoorArcs, AreAddedWhereTheyAreOthersOfTheUsualSize) {
-  const DoorArc door{{50, 50}, 20, CV_PI / 2, 0};
-  DoorArc same = door, large = door, other = door;
+  const drafting::DoorArc door{{50, 50}, 20, CV_PI / 2, 0};
+  drafting::DoorArc same = door, large = door, other = door;
   same.hinge.x += 2;
   large.hinge.y += 80, large.radius = 26;
   other.hinge.x += 40, other.opening_rad = CV_PI;  // the other leaf of a broad doorway
-  std::vector<DoorArc> doors = {door};
-  addDoorArcs(doors, {same, large, other});
+  std::vector<drafting::DoorArc> doors = {door};
+  drafting::addDoorArcs(doors, {same, large, other});
   ASSERT_EQ(doors.size(), 2U);
   EXPECT_EQ(doors[0].hinge.x, 50);
   EXPECT_EQ(doors[1].hinge.x, 90);

@@ -5,8 +5,8 @@
 
 #include "libslam/core/random.h"
 #include "libslam/doctor/log_check.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/objects/object_stream.h"
-#include "libslam/robot/mrpt_types.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/logs/log_fixtures.h"
@@ -58,9 +58,9 @@ inline mrpt::obs::CObservation2DRangeScan scanOf(const Drive& drive, double time
   scan.T_robot_lidar = drive.T_stated;
   scan.step_rad *= drive.step_factor;
   scan.first_angle_rad *= drive.step_factor;
-  auto observation = *robot::toMrpt(scan);
+  auto observation = *lidar::toMrpt(scan);
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    if (scan.ranges_m[i] != robot::kNoReturn) continue;
+    if (scan.ranges_m[i] != lidar::kNoReturn) continue;
     observation.setScanRange(i, drive.no_return_m);
     observation.setScanRangeValidity(i, !drive.marks_no_returns);
   }

@@ -9,7 +9,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::draw {
@@ -56,7 +57,7 @@ TEST(LabelColours, AMethodHasItsOwnWhateverStandsBesideIt) {
 }
 
 TEST(Canvas, AsSvgHasTheSameBytesOnEveryMachine) {
-  EXPECT_EQ(core::sha256(everything().toSvg()),
+  EXPECT_EQ(resources::sha256(everything().toSvg()),
             "8704ce64984acec8a3f122916de744f24a21481c5f0531c24adb84e209c4bf3c");
 }
 
@@ -177,9 +178,9 @@ TEST(Canvas, CutsTextAtALetter) {
 TEST(Canvas, IsSavedByItsExtension) {
   const TempFolder folder;
   for (const std::string name : {"a.png", "a.svg", "a.pdf"}) everything().save(folder / name);
-  EXPECT_THAT(core::readTextFile(folder / "a.png"), StartsWith("\x89PNG"));
-  EXPECT_THAT(core::readTextFile(folder / "a.svg"), StartsWith("<?xml"));
-  EXPECT_THAT(core::readTextFile(folder / "a.pdf"), StartsWith("%PDF"));
+  EXPECT_THAT(files::readTextFile(folder / "a.png"), StartsWith("\x89PNG"));
+  EXPECT_THAT(files::readTextFile(folder / "a.svg"), StartsWith("<?xml"));
+  EXPECT_THAT(files::readTextFile(folder / "a.pdf"), StartsWith("%PDF"));
   for (const std::string name : {"a.jpg", "a", "a.PNG2"}) {
     EXPECT_THROW(everything().save(folder / name), core::InputError) << name;
     EXPECT_FALSE(std::filesystem::exists(folder / name));

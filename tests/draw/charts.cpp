@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/draw/box_plot.h"
 #include "libslam/draw/chart_axes.h"
 #include "libslam/draw/curves.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::draw {
@@ -67,7 +67,7 @@ TEST(Charts, BreakLinesDrawWhiskersAndNameEveryLabelOnce) {
                      {"graph", {{0, 0.3}, {4, 0.1}}, Curve::Style::kMarked},
                      {"graph", {{0, 0.2}, {0, 0.4}}, Curve::Style::kWhisker}}};
   drawCharts({chart}, "", folder / "chart.svg");
-  const auto svg = core::readTextFile(folder / "chart.svg");
+  const auto svg = files::readTextFile(folder / "chart.svg");
   const auto count = [&](const std::string& what) {
     size_t found = 0;
     for (auto at = svg.find(what); at != std::string::npos; at = svg.find(what, at + 1)) ++found;
@@ -91,7 +91,7 @@ TEST(Charts, AWhiskerWithoutAnUpperEndLeavesTheChartAsAnArrow) {
       {{"icp", {{0, 0.2}, {0, std::numeric_limits<double>::infinity()}}, Curve::Style::kWhisker},
        {"graph", {{0, 1}, {1, 1}}}}};
   drawCharts({chart}, "", folder / "open.svg");
-  const auto svg = core::readTextFile(folder / "open.svg");
+  const auto svg = files::readTextFile(folder / "open.svg");
   EXPECT_EQ(svg.find("inf"), std::string::npos);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
   size_t strokes = 0;
@@ -107,7 +107,7 @@ TEST(Charts, LongLinesKeepTheirHighestAndLowest) {
   for (int i = 0; i < 100000; ++i)
     chart.curves[0].points.push_back({1.0 * i, i == 50000 ? 10.0 : 1 + 0.1 * (i % 2)});
   drawCharts({chart}, "", folder / "long.svg");
-  const auto svg = core::readTextFile(folder / "long.svg");
+  const auto svg = files::readTextFile(folder / "long.svg");
   EXPECT_LT(svg.size(), 100000U);
   EXPECT_THAT(svg, HasSubstr(" 50 "));  // the frame begins at 20 + 30; the axis ends at 10
 }
@@ -120,7 +120,7 @@ TEST(Charts, StandUnderOneAnotherOnANarrowPage) {
   drawCharts({chart, chart}, "", folder / "column.svg", column);
   drawCharts({chart, chart}, "", folder / "page.svg", page);
   const auto heightOf = [&](const std::string& name) {
-    const auto svg = core::readTextFile(folder / name);
+    const auto svg = files::readTextFile(folder / name);
     return std::stod(svg.substr(svg.find("height=\"") + 8));
   };
   EXPECT_GT(heightOf("column.svg"), 1.5 * heightOf("page.svg"));
@@ -146,7 +146,7 @@ TEST(Boxes, ShowCountsAndFailuresAndFewValuesAsDots) {
       {"flat", {{"icp", {0.1, 0.2, 0.3, 0.4, 0.5}, 0}, {"graph", {0.1, kNan, 0.2}, 2}}},
       {"office", {{"icp", {}, 5}, {"graph", {0.1}, 0}}}};
   drawBoxes(charts, "error (m)", true, "", folder / "boxes.svg");
-  const auto svg = core::readTextFile(folder / "boxes.svg");
+  const auto svg = files::readTextFile(folder / "boxes.svg");
   EXPECT_THAT(svg, HasSubstr(">n 5</text>"));
   EXPECT_THAT(svg, HasSubstr(">n 2</text>"));
   EXPECT_THAT(svg, HasSubstr(">+2 failed</text>"));

@@ -5,10 +5,10 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
 #include "libslam/explore/explore.h"
-#include "libslam/run/journal_file.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/resources.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/explore/two_rooms.h"
 
@@ -19,12 +19,12 @@ using ::testing::HasSubstr;
 
 TEST(Explore, AMethodThatFailsIsARowOrAnErrorAndLeavesNoFolder) {
   const testing::TempFolder folder;
-  const std::string icp = core::readTextFile(core::configsFolder() + "/methods/icp.ini");
+  const std::string icp = files::readTextFile(resources::configsFolder() + "/methods/icp.ini");
   // A limit that the first map breaks stands for a method that fails.
   const std::string resolution = "resolution_m = 0.05";
-  core::writeFileAtomically(folder / "cramped.ini",
-                            std::string(icp).replace(icp.find(resolution), resolution.size(),
-                                                     "resolution_m = 0.02\nmax_map_cells = 10000"));
+  files::writeFileAtomically(folder / "cramped.ini",
+                             std::string(icp).replace(icp.find(resolution), resolution.size(),
+                                                      "resolution_m = 0.02\nmax_map_cells = 10000"));
   auto wanted = request(folder, twoRooms(), {quickConfig("quadrant", 20)}, folder / "cramped.ini");
   EXPECT_THROW(run(wanted), core::MethodError);
   EXPECT_FALSE(fs::exists(folder / "out"));
@@ -53,10 +53,10 @@ TEST(Explore, AMethodThatFailsOnTheWayKeepsWhatItHadMapped) {
   ASSERT_EQ(result.runs.size(), 1U);
   EXPECT_THAT(result.runs[0].end_detail, HasSubstr("at scan 20 (3.8 s): broken on purpose"));
   EXPECT_THAT(result.scores.notes, ::testing::Contains(HasSubstr("failed: at scan 20")));
-  const auto partial = run::loadRun(folder / "out");
+  const auto partial = results::loadRun(folder / "out");
   EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
   EXPECT_EQ(partial.estimate.size(), 20U);
-  EXPECT_EQ(run::readJournal(folder / "out/journal.csv").back().event, core::JournalEvent::kFailed);
+  EXPECT_EQ(results::readJournal(folder / "out/journal.csv").back().event, core::JournalEvent::kFailed);
   EXPECT_TRUE(fs::exists(folder / "out/run.rawlog"));
   EXPECT_TRUE(fs::exists(folder / "out/map.simplemap"));
 }

@@ -9,10 +9,11 @@
 #include <map>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/run/journal_file.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/explore/two_rooms.h"
@@ -29,16 +30,16 @@ std::map<std::string, std::string> contents(const std::string& folder) {
     const bool holds_times =
         name == "cost.csv" || name == "cost.json" || name.find("manifest.json") != std::string::npos;
     if (entry.is_regular_file() && !holds_times)
-      hashes[fs::relative(entry.path(), folder).string()] = core::fileSha256(entry.path().string());
+      hashes[fs::relative(entry.path(), folder).string()] = resources::fileSha256(entry.path().string());
   }
   return hashes;
 }
 
 /// Stands at the start and is done.
-class Idle : public navigate::Strategy {
+class Idle : public strategies::Strategy {
  public:
-  navigate::Decision decide(const robot::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) override {
-    navigate::Decision decision;
+  choices::Decision decide(const lidar::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) override {
+    choices::Decision decision;
     decision.finished = true;
     decision.reason = "seen enough";
     return decision;
@@ -48,8 +49,9 @@ class Idle : public navigate::Strategy {
 TEST(Explore, TakesAStrategyFromOutside) {
   const testing::TempFolder folder;
   auto mine = quickConfig("nearest_frontier", 20);
-  mine.own = OwnStrategy{
-      "idle", [](const navigate::StrategyOptions&, core::RandomStream) { return std::make_unique<Idle>(); }};
+  mine.own = OwnStrategy{"idle", [](const strategies::StrategyOptions&, core::RandomStream) {
+                           return std::make_unique<Idle>();
+                         }};
   const auto result =
       run(request(folder, twoRooms(), {mine, quickConfig("nearest_frontier", 20)}, kTruthReference));
   ASSERT_EQ(result.runs.size(), 2U);
@@ -89,7 +91,7 @@ TEST(Explore, FindsEverythingInASmallFlatAndComesBack) {
     if (slam == "truth") {
       // Perfect wheels: what the reference believes is the truth, seen from the start.
       EXPECT_LT(e.evaluation.trajectory.position_m.max, 1e-6);
-      EXPECT_THAT(core::readTextFile(folder / "out/scores.txt"), HasSubstr("true pose (reference)"));
+      EXPECT_THAT(files::readTextFile(folder / "out/scores.txt"), HasSubstr("true pose (reference)"));
     } else {
       EXPECT_GT(e.evaluation.trajectory.position_m.max, 1e-4);
     }
@@ -111,10 +113,10 @@ TEST(Explore, ScoresAgainstSomebodyWhoKnowsThePlan) {
   EXPECT_LE(e.below90_m, e.figures.path90_m);
   for (const char* file : {"oracle.csv", "oracle_path.csv", "oracle.png"})
     EXPECT_TRUE(fs::exists(folder / ("out/" + std::string(file)))) << file;
-  const auto text = core::readTextFile(folder / "out/scores.txt");
+  const auto text = files::readTextFile(folder / "out/scores.txt");
   EXPECT_THAT(text, HasSubstr("  ratio  ratio  "));
   EXPECT_THAT(text, HasSubstr("With the plan in hand"));
-  EXPECT_THAT(core::readTextFile(folder / "out/runs.csv"), HasSubstr("below99_m"));
+  EXPECT_THAT(files::readTextFile(folder / "out/runs.csv"), HasSubstr("below99_m"));
 }
 
 TEST(Explore, HasNoRatiosUnlessAsked) {
@@ -123,12 +125,12 @@ TEST(Explore, HasNoRatiosUnlessAsked) {
   wanted.tables_only = true;
   EXPECT_TRUE(std::isnan(run(wanted).runs.front().ratio99));
   EXPECT_FALSE(fs::exists(folder / "out/oracle.csv"));
-  EXPECT_EQ(core::readTextFile(folder / "out/scores.txt").find("  ratio  "), std::string::npos);
+  EXPECT_EQ(files::readTextFile(folder / "out/scores.txt").find("  ratio  "), std::string::npos);
 }
 
 TEST(Explore, RefusesAnOracleForACameraBeforeItDrives) {
   const testing::TempFolder folder;
-  core::IniFile ini;
+  files::IniFile ini;
   ini.setFromArgument("sensor.kind=camera", "test");
   ini.set("strategy", "name", "nearest_frontier", "test");
   auto wanted = request(folder, twoRooms(), {readExploreConfig(ini)}, "truth");
@@ -151,7 +153,7 @@ std::vector<Exploration> inWorld(const std::string& world, const std::vector<std
     configs.push_back(
         quickConfig(strategy, 1000, {"lidar.beams=181", "lidar.fov_deg=270", "lidar.max_range_m=30"}));
   auto wanted = request(folder, twoRooms(), configs, "truth");
-  wanted.plan_path = core::resolvePlan(world);
+  wanted.plan_path = resources::resolvePlan(world);
   wanted.seed = seed;
   wanted.tables_only = true;
   return run(wanted).runs;
@@ -204,15 +206,15 @@ TEST(Explore, TablesAloneAreTheSameTables) {
   run(wanted);
   EXPECT_FALSE(fs::exists(folder / "tables/run.rawlog"));
   for (const char* file : {"scores.csv", "runs.csv", "scores.txt", "coverage.png"})
-    EXPECT_EQ(core::fileSha256(folder / ("out/" + std::string(file))),
-              core::fileSha256(folder / ("tables/" + std::string(file))))
+    EXPECT_EQ(resources::fileSha256(folder / ("out/" + std::string(file))),
+              resources::fileSha256(folder / ("tables/" + std::string(file))))
         << file;
 }
 
 TEST(Explore, AFolderOfOneRunIsScoredAgainByEvaluate) {
   const testing::TempFolder folder;
   const auto result = run(request(folder, twoRooms(), {quickConfig("quadrant", 20)}, "icp"));
-  const auto again = run::loadRun(folder / "out");
+  const auto again = results::loadRun(folder / "out");
   const auto truth = score::loadTruth(folder / "out/run.gt.tum", folder / "two_rooms.yaml", again);
   const auto evaluation = score::evaluate(again, truth);
   // TUM files keep nine decimals of a metre.
@@ -226,7 +228,8 @@ TEST(Explore, ARobotThatSeesNothingIsStuckAndSaysSo) {
   const testing::TempFolder folder;
   const std::vector<std::string> blind = {"lidar.drop_out=1", "exploration.stuck_s=20"};
   std::vector<ExploreConfig> configs;
-  for (const auto& strategy : navigate::strategyNames()) configs.push_back(quickConfig(strategy, 200, blind));
+  for (const auto& strategy : strategies::strategyNames())
+    configs.push_back(quickConfig(strategy, 200, blind));
   auto wanted = request(folder, twoRooms(), configs, "icp");
   wanted.tables_only = true;
   const auto result = run(wanted);
@@ -243,7 +246,7 @@ TEST(Explore, ARobotThatSeesNothingIsStuckAndSaysSo) {
 TEST(Explore, ALidarTooShortToSeeAnythingEndsTheRunToo) {
   const testing::TempFolder folder;
   std::vector<ExploreConfig> configs;
-  for (const auto& strategy : navigate::strategyNames())
+  for (const auto& strategy : strategies::strategyNames())
     configs.push_back(quickConfig(strategy, 60, {"lidar.max_range_m=0.25", "exploration.stuck_s=20"}));
   auto wanted = request(folder, twoRooms(), configs, "truth");
   wanted.tables_only = true;

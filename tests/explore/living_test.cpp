@@ -5,26 +5,27 @@
 #include <filesystem>
 #include <string>
 
-#include "libslam/core/csv.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
 #include "libslam/explore/explore.h"
-#include "libslam/explore/reach_goal.h"
+#include "libslam/files/csv.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/reach/reach_goal.h"
 #include "libslam/record/record.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/compare.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::explore {
 namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-core::IniFile settings(const std::vector<std::string>& more) {
-  core::IniFile ini;
+files::IniFile settings(const std::vector<std::string>& more) {
+  files::IniFile ini;
   for (const char* setting : {"simulation.duration_s=20", "lidar.beams=91", "strategy.name=random_heading"})
     ini.setFromArgument(setting, "test");
   for (const auto& setting : more) ini.setFromArgument(setting, "test");
@@ -32,12 +33,12 @@ core::IniFile settings(const std::vector<std::string>& more) {
 }
 
 world::Plan flat() {
-  return world::loadPlan(core::resolvePlan("flat"));
+  return world::loadPlan(resources::resolvePlan("flat"));
 }
 
 std::vector<std::vector<std::string>> readCsv(const std::string& path) {
-  const std::string text = core::readTextFile(path);
-  core::CsvReader reader(text, path);
+  const std::string text = files::readTextFile(path);
+  files::CsvReader reader(text, path);
   std::vector<std::vector<std::string>> rows;
   for (std::vector<std::string> fields; reader.next(fields);) rows.push_back(fields);
   return rows;
@@ -55,13 +56,13 @@ TEST(RecordLivingWorld, SaysWhereEveryPersonWasAtEveryScan) {
             (std::vector<std::string>{"time_s", "kind", "id", "x_m", "y_m", "heading_rad", "state"}));
   for (size_t i = 1; i < rows.size(); ++i) {
     ASSERT_EQ(rows[i].size(), 7U);
-    EXPECT_EQ(rows[i][0], core::formatNumber(truth[(i - 1) / 3].time_s));
+    EXPECT_EQ(rows[i][0], files::formatNumber(truth[(i - 1) / 3].time_s));
     EXPECT_EQ(rows[i][1], "person");
     EXPECT_EQ(rows[i][2], std::to_string((i - 1) % 3));
     // Rounded to a millimetre, the disc is as much smaller.
     EXPECT_FALSE(world::discCollides(flat(), {std::stod(rows[i][3]), std::stod(rows[i][4])}, 0.249));
   }
-  const auto manifest = core::readManifest(folder / "run.manifest.json");
+  const auto manifest = resources::readManifest(folder / "run.manifest.json");
   EXPECT_EQ(manifest.files.count("run.movers.csv"), 1U);
   EXPECT_EQ(manifest.config.at("living.people"), "3");
   EXPECT_EQ(manifest.files.count("run.plan.yaml"), 0U);
@@ -73,7 +74,8 @@ TEST(RecordLivingWorld, GivesTheSameBytesForTheSameSeed) {
   for (const std::string name : {"a", "b"})
     record::record(flat(), config, 3, folder / (name + ".rawlog"), {}, core::silentProgress());
   for (const std::string suffix : {".rawlog", ".gt.tum", ".movers.csv", ".plan.png"})
-    EXPECT_EQ(core::fileSha256(folder / ("a" + suffix)), core::fileSha256(folder / ("b" + suffix))) << suffix;
+    EXPECT_EQ(resources::fileSha256(folder / ("a" + suffix)), resources::fileSha256(folder / ("b" + suffix)))
+        << suffix;
 }
 
 TEST(RecordLivingWorld, WritesNothingOfMoversWhereNothingMoves) {
@@ -105,25 +107,25 @@ TEST(RecordLivingWorld, SaysWhenDoorsMove) {
 TEST(RecordLivingWorld, ALaterVisitIsScoredOnThePlanThatWasThere) {
   const testing::TempFolder folder;
   score::CompareRequest request;
-  request.plan_path = core::resolvePlan("flat");
+  request.plan_path = resources::resolvePlan("flat");
   request.record = record::readRecordConfig(settings({"living.visit=2", "living.furniture_share=1"}));
   request.methods = {"naive_wheel"};
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = folder / "out";
   const auto comparison = score::compare(request, {}, core::silentProgress());
   const auto found = world::loadPlan(folder / "out/log/run.plan.yaml");
   EXPECT_EQ(found.cells, record::planOfVisit(flat(), request.record.living, 1).cells);
   EXPECT_NE(found.cells, flat().cells);
-  EXPECT_EQ(record::findPlan(comparison.log_path), folder / "out/log/run.plan.yaml");
+  EXPECT_EQ(truth::findPlan(comparison.log_path), folder / "out/log/run.plan.yaml");
   score::Truth given;
   given = score::loadTruth(folder / "out/log/run.gt.tum", folder / "out/log/run.plan.yaml",
-                           run::loadRun(folder / "out/naive_wheel"));
+                           results::loadRun(folder / "out/naive_wheel"));
   EXPECT_EQ(comparison.evaluations[0].map.occupied_f1,
-            score::evaluate(run::loadRun(folder / "out/naive_wheel"), given).map.occupied_f1);
+            score::evaluate(results::loadRun(folder / "out/naive_wheel"), given).map.occupied_f1);
 }
 
 TEST(RecordLivingWorld, EveryVisitIsAnother) {
-  sim::LivingOptions living;
+  movers::LivingOptions living;
   living.furniture_share = 1;
   const auto plan = flat();
   EXPECT_EQ(record::planOfVisit(plan, living, 1).cells, plan.cells);
@@ -149,10 +151,10 @@ TEST(RecordLivingWorld, RefusesMorePeopleThanThereIsRoomForAndLeavesNothing) {
 TEST(ExploreLivingWorld, RunsToItsEnd) {
   const testing::TempFolder folder;
   ExploreRequest request;
-  request.plan_path = core::resolvePlan("flat");
+  request.plan_path = resources::resolvePlan("flat");
   request.strategies = {readExploreConfig(settings({"living.people=3", "living.visit=2"}))};
   request.slam = kTruthReference;
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = folder / "out";
   const auto report = explore(request, {}, core::silentProgress());
   EXPECT_EQ(report.failed, 0);
@@ -162,15 +164,15 @@ TEST(ExploreLivingWorld, RunsToItsEnd) {
 }
 
 TEST(NavigateInLivingWorld, RunsToItsEnd) {
-  ReachGoalRequest request;
-  request.plan = world::loadPlan(core::resolvePlan("pillar_hall"));
-  core::IniFile ini;
+  reach::ReachGoalRequest request;
+  request.plan = world::loadPlan(resources::resolvePlan("pillar_hall"));
+  files::IniFile ini;
   for (const char* setting : {"lidar.beams=181", "living.people=6", "navigate.time_limit_s=60"})
     ini.setFromArgument(setting, "test");
-  request.config = readReachGoalConfig(ini);
+  request.config = reach::readReachGoalConfig(ini);
   request.T_world_start = *world::findStartPose(request.plan, 0.6);
   request.p_world_goal = {request.T_world_start.x + 3, request.T_world_start.y + 2};
-  const auto run = driveToGoal(request, "tangent", core::silentProgress());
+  const auto run = reach::driveToGoal(request, "tangent", core::silentProgress());
   EXPECT_NE(run.status, goals::GoalStatus::kMoving);
 }
 

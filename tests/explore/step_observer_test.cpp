@@ -7,11 +7,11 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
 #include "libslam/explore/explore.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -45,15 +45,15 @@ class Curious : public record::StepObserver {
   int decisions = 0, finished = 0, nodes = 0;
 };
 
-core::IniFile shortIni(double duration_s) {
-  core::IniFile ini;
-  ini.set("simulation", "duration_s", core::formatNumber(duration_s), "test");
+files::IniFile shortIni(double duration_s) {
+  files::IniFile ini;
+  ini.set("simulation", "duration_s", files::formatNumber(duration_s), "test");
   ini.set("lidar", "beams", "181", "test");
   return ini;
 }
 
 world::Plan flat() {
-  return world::loadPlan(core::resolvePlan("flat"));
+  return world::loadPlan(resources::resolvePlan("flat"));
 }
 
 /// All files of a folder but those that hold times.
@@ -64,7 +64,7 @@ std::map<std::string, std::string> bytesOf(const std::string& folder) {
     const bool has_times =
         name == "timing.csv" || name.find("manifest.json") != std::string::npos || name.find("cost.") == 0;
     if (entry.is_regular_file() && !has_times)
-      bytes[fs::relative(entry.path(), folder).string()] = core::fileSha256(entry.path().string());
+      bytes[fs::relative(entry.path(), folder).string()] = resources::fileSha256(entry.path().string());
   }
   return bytes;
 }
@@ -91,7 +91,7 @@ TEST_P(StepObserverOfMethods, SeesEveryScanAndChangesNothing) {
   const testing::TempFolder folder;
   const std::string log = folder / "run.rawlog", name = GetParam();
   record::record(flat(), record::readRecordConfig(shortIni(20)), 5, log, {}, core::silentProgress());
-  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", name);
+  const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", name);
   Curious curious;
   run::buildMap(log, config, name, 3, folder / "without", false, {}, core::silentProgress());
   const auto run = run::buildMap(log, config, name, 3, folder / "with", false, {}, core::silentProgress(),
@@ -113,9 +113,9 @@ TEST(StepObserver, SeesAnExplorationAndChangesNothing) {
   auto ini = shortIni(15);
   ini.set("strategy", "name", "nearest_frontier", "test");
   request.strategies = {readExploreConfig(ini)};
-  request.plan_path = core::resolvePlan("flat");
+  request.plan_path = resources::resolvePlan("flat");
   request.slam = "graph";
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = folder / "without";
   explore(request, {}, core::silentProgress());
   Curious curious;
@@ -137,7 +137,7 @@ TEST(RecordCommands, WritesWhatAStrategysSameCommandsWrite) {
   const auto plan = flat();
   const auto config = record::readRecordConfig(shortIni(10));
   record::record(plan, config, 5, folder / "strategy/run.rawlog", {}, core::silentProgress());
-  navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(5, "strategy")),
+  navigate::Driver driver(strategies::makeStrategy(config.strategy, core::RandomStream(5, "strategy")),
                           config.strategy, config.robot, 1 / config.lidar.rate_hz,
                           core::RandomStream(5, "driver"));
   const auto hand = [&](const sim::Sensed& sensed) -> std::optional<robot::Command> {

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/core/resources.h"
 #include "libslam/explore/explore.h"
+#include "libslam/resources/resources.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::explore {
@@ -46,12 +46,12 @@ inline std::string saved(const testing::TempFolder& folder, const world::Plan& p
 /// A full circle of 2 degree beams: quick.
 inline ExploreConfig quickConfig(const std::string& strategy, double duration_s,
                                  const std::vector<std::string>& settings = {}) {
-  core::IniFile ini;
+  files::IniFile ini;
   for (const auto& [key, value] : std::map<std::string, std::string>{
            {"lidar.beams", "180"}, {"lidar.fov_deg", "360"}, {"lidar.max_range_m", "8"}})
     ini.setFromArgument(key + "=" + value, "test");
   ini.set("strategy", "name", strategy, "test");
-  ini.set("simulation", "duration_s", core::formatNumber(duration_s), "test");
+  ini.set("simulation", "duration_s", files::formatNumber(duration_s), "test");
   for (const auto& setting : settings) ini.setFromArgument(setting, "test");
   return readExploreConfig(ini);
 }
@@ -62,7 +62,7 @@ inline ExploreRequest request(const testing::TempFolder& folder, const world::Pl
   request.plan_path = saved(folder, plan);
   request.strategies = std::move(configs);
   request.slam = slam;
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = folder / "out";
   return request;
 }

@@ -25,7 +25,7 @@ void requireSound(const graph::GraphSlam::Step& step) {
 
 /// Mapped, and, from some step on, localised in what was mapped.
 void driveGraph(fuzz::ScanScript script, int mapped) {
-  graph::GraphOptions options;
+  keyframes::GraphOptions options;
   options.refine_rounds = mapped % 2;
   graph::GraphSlam graph(options);
   for (int i = 0; i < kMostSteps; ++i) {

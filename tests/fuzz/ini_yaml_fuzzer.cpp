@@ -1,7 +1,7 @@
-#include "libslam/core/ini_yaml.h"
+#include "libslam/resources/ini_yaml.h"
 #include "tests/fuzz/fuzz_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  return slam::fuzz::refuseOrRead([&] { slam::core::parseYaml(text, "fuzz.yaml"); });
+  return slam::fuzz::refuseOrRead([&] { slam::resources::parseYaml(text, "fuzz.yaml"); });
 }

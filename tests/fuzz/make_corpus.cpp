@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "libslam/bags/ros_logs.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/objects/object_stream.h"
 

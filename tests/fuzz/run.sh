@@ -28,7 +28,7 @@ if [ ${#readers[@]} -eq 0 ]; then
 fi
 
 # The entries behind a rawlog's headers are read by MRPT, which trusts what it reads: it can crash on damaged ones,
-# and makes room for as many numbers as they claim. In a usual build a limit guards it (libslam/core/memory_guard.h), which the
+# and makes room for as many numbers as they claim. In a usual build a limit guards it (libslam/files/memory_guard.h), which the
 # sanitizers' allocator knows nothing of. What is found there is shown, and does not fail.
 is_mrpts() { [ "$1" = rawlog ]; }
 

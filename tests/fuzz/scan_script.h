@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::fuzz {
 
@@ -14,7 +14,7 @@ namespace slam::fuzz {
 class ScanScript {
  public:
   struct Step {
-    robot::Scan scan;
+    lidar::Scan scan;
     core::Pose2 T_previous_robot;
     bool has_odometry;
   };
@@ -59,20 +59,20 @@ class ScanScript {
       if (what == 5) range_m = at_m * static_cast<double>(i * i * 31 % 17) / 17;  // rubbish
       if (what == 6) range_m = lidar_.max_range_m * 2;                            // nothing
       const bool is_return = range_m > 0 && range_m < lidar_.max_range_m;
-      lidar_.ranges_m[i] = is_return ? static_cast<float>(range_m) : robot::kNoReturn;
+      lidar_.ranges_m[i] = is_return ? static_cast<float>(range_m) : lidar::kNoReturn;
     }
   }
 
   void spoil(std::uint8_t how) {
-    const float bad[] = {robot::kLostReading, -1,  0, 1e-30F, 3e38F, -robot::kNoReturn,
-                         robot::kNoReturn,    1e6F};
+    const float bad[] = {lidar::kLostReading, -1,  0, 1e-30F, 3e38F, -lidar::kNoReturn,
+                         lidar::kNoReturn,    1e6F};
     for (std::size_t i = how % 5U; i < lidar_.ranges_m.size(); i += 2 + how % 7U)
       lidar_.ranges_m[i] = bad[how % 8U];
   }
 
   const std::uint8_t *at_, *end_;
   double leap_m_;
-  robot::Scan lidar_;
+  lidar::Scan lidar_;
 };
 
 }  // namespace slam::fuzz

@@ -14,8 +14,8 @@ struct Laps {
   Drive log = drive(ring(), lapsAround(2), {}, 2e-3);
   GraphSlam graph{options()};
 
-  static GraphOptions options() {
-    GraphOptions o;
+  static keyframes::GraphOptions options() {
+    keyframes::GraphOptions o;
     o.keyframe_distance_m = 0.1, o.known_views = 0, o.loop_work = 1;
     return o;
   }
@@ -43,7 +43,7 @@ double farthestMoved(const GraphSlam& graph, const std::vector<core::Pose2>& bef
   return farthest;
 }
 
-TEST(Closing, MovesTheMapSomeScansAfterTheLoopWasAccepted) {
+TEST(keyframes::Closing, MovesTheMapSomeScansAfterTheLoopWasAccepted) {
   Laps laps;
   size_t i = 0;
   ASSERT_GT(laps.driveUntil(core::JournalEvent::kAccepted, i), 0);
@@ -57,7 +57,7 @@ TEST(Closing, MovesTheMapSomeScansAfterTheLoopWasAccepted) {
   EXPECT_GT(farthestMoved(laps.graph, before), 0.1);
 }
 
-TEST(Closing, KeyframesThatCameMeanwhileStayWhereTheyWereReachedFrom) {
+TEST(keyframes::Closing, KeyframesThatCameMeanwhileStayWhereTheyWereReachedFrom) {
   Laps laps;
   size_t i = 0;
   ASSERT_GT(laps.driveUntil(core::JournalEvent::kAccepted, i), 0);
@@ -76,7 +76,7 @@ TEST(Closing, KeyframesThatCameMeanwhileStayWhereTheyWereReachedFrom) {
 }
 
 // A log may end before all pieces are done.
-TEST(Closing, IsCompletedWhenTheLogEnds) {
+TEST(keyframes::Closing, IsCompletedWhenTheLogEnds) {
   Laps laps;
   size_t i = 0;
   ASSERT_GT(laps.driveUntil(core::JournalEvent::kAccepted, i), 0);
@@ -89,13 +89,13 @@ TEST(Closing, IsCompletedWhenTheLogEnds) {
 
 // There and back through a corridor no loop is needed to know where one is, and yet what the second pass
 // measured of the first says where the way went wrong.
-TEST(Closing, WhatWasMeasuredSinceTheLastLoopIsSpreadOverTheWayWhenTheLogEnds) {
+TEST(keyframes::Closing, WhatWasMeasuredSinceTheLastLoopIsSpreadOverTheWayWhenTheLogEnds) {
   std::vector<core::Pose2> path;
   for (int i = 0; i < 140; ++i) path.push_back({3 + 0.1 * i, 1, 0});
   for (int i = 0; i < 32; ++i) path.push_back({17, 1, 0.1 * i});
   for (int i = 0; i < 140; ++i) path.push_back({17 - 0.1 * i, 1, core::kPi});
   const auto log = drive(ring(), path, {}, 1e-3);
-  GraphOptions options;
+  keyframes::GraphOptions options;
   options.loops = false;
   GraphSlam graph(options);
   for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);

@@ -48,7 +48,7 @@ inline std::vector<core::Pose2> lapsAround(int laps) {
 }
 
 struct Drive {
-  std::vector<robot::Scan> scans;
+  std::vector<lidar::Scan> scans;
   std::vector<core::Pose2> truth, increments;  ///< truth from the first pose; increments as odometry has them
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 using namespace test_drives;
 
-GraphSlam run(const Drive& log, bool with_odometry = true, const GraphOptions& options = {}) {
+GraphSlam run(const Drive& log, bool with_odometry = true, const keyframes::GraphOptions& options = {}) {
   GraphSlam graph(options);
   for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], with_odometry);
   graph.finish();
@@ -77,7 +77,7 @@ TEST(GraphSlam, LetsGoOfOdometryThatJumpsAndSaysSo) {
 TEST(GraphSlam, CarriesOnThroughScansWithoutAnyReturn) {
   auto log = drive(ring(), lapsAround(1), {}, 0);
   for (size_t i = 40; i < 46; ++i)
-    for (float& range : log.scans[i].ranges_m) range = robot::kNoReturn;
+    for (float& range : log.scans[i].ranges_m) range = lidar::kNoReturn;
   const auto graph = run(log);
   EXPECT_LT(worstError(graph.poses(), log.truth), 0.5);
   EXPECT_TRUE(eventsOf(graph).count("poor"));
@@ -108,7 +108,7 @@ TEST(GraphSlam, LocalisesInAFinishedMapWithoutChangingIt) {
 TEST(GraphSlam, ContinuesAMapOfKnownKeyframes) {
   const auto log = drive(ring(), lapsAround(1), {}, 1e-3);
   const auto first = run(log);
-  GraphSlam continued{GraphOptions()};
+  GraphSlam continued{keyframes::GraphOptions()};
   for (int k = 0; k < first.keyframeCount(); ++k)
     continued.addKnownKeyframe(first.keyframeScan(k), first.keyframePose(k));
   const auto more = drive(ring(), lapsAround(1), {}, 1e-3, 2);
@@ -123,7 +123,7 @@ TEST(GraphSlam, ContinuesAMapOfKnownKeyframes) {
 TEST(GraphSlam, ContinuesAMapFromAnyPlaceInIt) {
   const auto log = drive(ring(), lapsAround(1), {}, 1e-3);
   const auto first = run(log);
-  GraphSlam continued{GraphOptions()};
+  GraphSlam continued{keyframes::GraphOptions()};
   for (int k = 0; k < first.keyframeCount(); ++k)
     continued.addKnownKeyframe(first.keyframeScan(k), first.keyframePose(k));
   const size_t middle = log.scans.size() / 2;
@@ -140,11 +140,11 @@ TEST(GraphSlam, ContinuesAMapFromAnyPlaceInIt) {
 
 TEST(GraphSlam, IsUnsureWhereTheScanSaysNothing) {
   const auto log = drive(ring(), lapsAround(1), {}, 0);
-  GraphSlam graph{GraphOptions()};
+  GraphSlam graph{keyframes::GraphOptions()};
   for (size_t i = 0; i < 20; ++i) graph.process(log.scans[i], log.increments[i], true);
   const auto seen = graph.process(log.scans[20], log.increments[20], true).drift_covariance;
   auto blind = log.scans[21];
-  for (float& range : blind.ranges_m) range = robot::kNoReturn;
+  for (float& range : blind.ranges_m) range = lidar::kNoReturn;
   const auto unseen = graph.process(blind, log.increments[21], true).drift_covariance;
   EXPECT_GT(unseen(0, 0), 4 * seen(0, 0));
   EXPECT_LT(unseen(0, 0), 1);
@@ -164,7 +164,7 @@ TEST(GraphSlam, FollowsOdometryAlongACorridorFromTheFirstScanOn) {
   lidar.max_range_m = 8;
   for (const std::uint64_t seed : {1, 2, 3}) {
     const auto log = drive(rectangle(-100, -1.2, 100, 1.2), straight(0, 3), lidar, 0, seed);
-    GraphSlam graph{GraphOptions()};
+    GraphSlam graph{keyframes::GraphOptions()};
     for (size_t i = 0; i < log.scans.size(); ++i) {
       const auto step = graph.process(log.scans[i], log.increments[i], true);
       // Odometry's own noise over 3 m, and what walls of noisy points hold by chance.
@@ -176,7 +176,7 @@ TEST(GraphSlam, FollowsOdometryAlongACorridorFromTheFirstScanOn) {
 TEST(GraphSlam, ClosesNoLoopWhosePlaceIsNotDistinctEnough) {
   const auto log = drive(ring(), lapsAround(2), {}, 0.0006);
   const auto accepted = [&](double distinctness) {
-    GraphOptions options;
+    keyframes::GraphOptions options;
     options.loop_distinctness = distinctness;
     GraphSlam graph(options);
     for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
@@ -185,7 +185,7 @@ TEST(GraphSlam, ClosesNoLoopWhosePlaceIsNotDistinctEnough) {
       return entry.event == core::JournalEvent::kAccepted;
     });
   };
-  EXPECT_GT(accepted(GraphOptions().loop_distinctness), 0);
+  EXPECT_GT(accepted(keyframes::GraphOptions().loop_distinctness), 0);
   EXPECT_EQ(accepted(100), 0);
 }
 
@@ -301,7 +301,7 @@ TEST(GraphSlam, FindsItselfAgainInAFinishedMap) {
 TEST(GraphSlam, FollowsOdometryWhereAFinishedMapEnds) {
   const auto log = drive(ring(), lapsAround(1), {}, 0);
   const size_t half = log.scans.size() / 2;
-  GraphSlam graph{GraphOptions()};
+  GraphSlam graph{keyframes::GraphOptions()};
   for (size_t i = 0; i < half; ++i) graph.process(log.scans[i], log.increments[i], true);
   graph.startAt(log.truth[half - 1]);
   GraphSlam::Step step;
@@ -313,7 +313,7 @@ TEST(GraphSlam, FollowsOdometryWhereAFinishedMapEnds) {
 
 TEST(GraphSlam, IsLessSureTheFartherItDrivesAndSurerOnceALoopIsClosed) {
   const auto log = drive(ring(), lapsAround(2), {}, 0);
-  GraphSlam graph{GraphOptions()};
+  GraphSlam graph{keyframes::GraphOptions()};
   std::vector<double> variance;
   for (size_t i = 0; i < log.scans.size(); ++i)
     variance.push_back(graph.process(log.scans[i], log.increments[i], true).pose_covariance.trace());
@@ -346,8 +346,8 @@ TEST(GraphSlam, GivesItsEdgesInformationThatTheGraphTakesWhereADirectionIsOpen) 
 }
 
 TEST(GraphSlam, RefusesWhatItsContractRulesOut) {
-  GraphSlam graph{GraphOptions()};
-  EXPECT_THROW(graph.process(robot::Scan(), {}, false), core::ContractError);
+  GraphSlam graph{keyframes::GraphOptions()};
+  EXPECT_THROW(graph.process(lidar::Scan(), {}, false), core::ContractError);
   EXPECT_THROW(graph.startAt({}), core::ContractError);
   graph.finish();
   EXPECT_TRUE(graph.poses().empty());

@@ -6,7 +6,7 @@
 #include "libslam/core/random.h"
 #include "libslam/graph/change_marks.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/links.h"
+#include "libslam/keyframes/links.h"
 #include "tests/graph/drawn_drives.h"
 
 namespace slam::graph {
@@ -14,8 +14,8 @@ namespace {
 
 using namespace test_drives;
 
-TEST(Links, GoOnByTheNearestWhereAKeyframeIsTakenOut) {
-  Links links;
+TEST(keyframes::Links, GoOnByTheNearestWhereAKeyframeIsTakenOut) {
+  keyframes::Links links;
   std::vector<core::Pose2> poses;
   for (int k = 0; k < 6; ++k) poses.push_back({1.0 * k, 0, 0}), links.addKeyframe();
   for (int k = 1; k < 6; ++k) links.join(k - 1, k, 1);
@@ -29,7 +29,7 @@ TEST(Links, GoOnByTheNearestWhereAKeyframeIsTakenOut) {
   EXPECT_EQ(links.around(poses, 0, {0, 0}, 5.1, 10).size(), 5U);
 }
 
-TEST(Links, ShortestWaysAreThoseOfAllPathsThroughClosures) {
+TEST(keyframes::Links, ShortestWaysAreThoseOfAllPathsThroughClosures) {
   core::RandomStream random(3, "closures");
   std::vector<double> path_m{0};
   for (int k = 1; k < 60; ++k) path_m.push_back(path_m.back() + random.uniform(0.1, 3));
@@ -50,7 +50,7 @@ TEST(Links, ShortestWaysAreThoseOfAllPathsThroughClosures) {
         at_a = at_b = std::min(at_a, at_b);
       }
     }
-    const auto ways = shortestWays(path_m, pairs, 50);
+    const auto ways = keyframes::shortestWays(path_m, pairs, 50);
     ASSERT_EQ(ways.size(), 50U);
     for (size_t k = 0; k < 50; ++k) EXPECT_NEAR(ways[k], way[k], 1e-9) << closures << " closures, " << k;
   }
@@ -93,7 +93,7 @@ std::vector<core::Pose2> roundTheRoom(int laps) {
   return path;
 }
 
-GraphSlam mapped(const Drive& log, const GraphOptions& options = {}) {
+GraphSlam mapped(const Drive& log, const keyframes::GraphOptions& options = {}) {
   GraphSlam graph(options);
   for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
   return graph;
@@ -109,14 +109,14 @@ void append(Drive& log, const Drive& more, const core::Pose2& T_truth_more) {
   }
 }
 
-int keyframesAfter(int laps, const GraphOptions& options = {}) {
+int keyframesAfter(int laps, const keyframes::GraphOptions& options = {}) {
   return mapped(drive(twoRooms(), roundTheRoom(laps), {}, 0), options).keyframeCount();
 }
 
 TEST(KnownGround, GetsNoMoreKeyframesHoweverLongTheRobotStays) {
   const int some = keyframesAfter(10), more = keyframesAfter(30);
   EXPECT_LE(more, some + some / 10);
-  GraphOptions all;
+  keyframes::GraphOptions all;
   all.known_views = 0;
   EXPECT_GT(keyframesAfter(30, all), 25 * keyframesAfter(1, all));
 }
@@ -154,7 +154,7 @@ int returnsWithin(const GraphSlam& graph, const core::Point2& centre, double hal
   int count = 0;
   for (int k = 0; k < graph.keyframeCount(); ++k) {
     const auto& scan = graph.keyframeScan(k);
-    for (const auto& p_robot : robot::scanPoints(scan)) {
+    for (const auto& p_robot : lidar::scanPoints(scan)) {
       const core::Point2 p = graph.keyframePose(k) * p_robot;
       count += std::abs(p.x - centre.x) < half_m && std::abs(p.y - centre.y) < half_m;
     }

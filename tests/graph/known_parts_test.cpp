@@ -18,7 +18,7 @@ using namespace test_drives;
 GraphSlam mapped(const std::vector<Wall>& walls, const std::vector<core::Pose2>& path, std::uint64_t seed,
                  const Lidar& lidar = {}) {
   const auto log = drive(walls, path, lidar, 0, seed);
-  GraphSlam graph{GraphOptions()};
+  GraphSlam graph{keyframes::GraphOptions()};
   for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
   graph.finish();
   return graph;
@@ -38,7 +38,7 @@ std::vector<core::Pose2> lapFrom(size_t first) {
 TEST(KnownParts, AreJoinedWhereTheyLie) {
   const auto there = lapsAround(1), back = lapFrom(250);
   const auto first = mapped(ring(), there, 1), second = mapped(ring(), back, 2);
-  GraphSlam both{GraphOptions()};
+  GraphSlam both{keyframes::GraphOptions()};
   addKeyframes(first, both);
   both.beginKnownPart();
   addKeyframes(second, both);
@@ -50,7 +50,7 @@ TEST(KnownParts, AreJoinedWhereTheyLie) {
   EXPECT_LT(std::abs(core::angleDifference(places[0].T_map_part.phi, expected.phi)), 0.01);
   EXPECT_GT(places[0].shared, 0.9);
   EXPECT_LT(places[0].contradicted, 0.05);
-  EXPECT_GE(places[0].fitting, GraphOptions().loop_confirmations);
+  EXPECT_GE(places[0].fitting, keyframes::GraphOptions().loop_confirmations);
   EXPECT_GT(places[0].ahead_nats, 14);
   // One map: what the second saw last lies where the first has it.
   const int last = both.keyframeCount() - 1;
@@ -70,7 +70,7 @@ TEST(KnownParts, OfAnotherBuildingStayApart) {
   for (double turn = 0.1; turn < core::kPi / 2; turn += 0.1) path.push_back({7.2, 1.5, turn});
   for (double s = 0; s < 4; s += 0.1) path.push_back({7.2, 1.5 + s, core::kPi / 2});
   const auto first = mapped(ring(), lapsAround(1), 1), second = mapped(walls, path, 2);
-  GraphSlam both{GraphOptions()};
+  GraphSlam both{keyframes::GraphOptions()};
   addKeyframes(first, both);
   both.beginKnownPart();
   addKeyframes(second, both);
@@ -91,7 +91,7 @@ TEST(KnownParts, AMapBetweenTwoOthersJoinsBoth) {
     for (auto* end : {&wall.a, &wall.b})
       if (end->y == 12) end->y = 10.5;
   const auto a = mapped(walls, near, 1), b = mapped(walls, far, 2), c = mapped(walls, between, 3);
-  GraphSlam all{GraphOptions()};
+  GraphSlam all{keyframes::GraphOptions()};
   addKeyframes(a, all);
   for (const auto* part : {&c, &b}) {
     all.beginKnownPart();
@@ -116,7 +116,7 @@ TEST(KnownParts, AreNotJoinedWhereTwoPlacesAreAsGood) {
   all_round.beams = 361;
   all_round.fov_rad = 2 * core::kPi;
   const auto first = mapped(walls, one, 1, all_round), second = mapped(walls, other, 2, all_round);
-  GraphSlam both{GraphOptions()};
+  GraphSlam both{keyframes::GraphOptions()};
   addKeyframes(first, both);
   both.beginKnownPart();
   addKeyframes(second, both);
@@ -124,9 +124,9 @@ TEST(KnownParts, AreNotJoinedWhereTwoPlacesAreAsGood) {
 }
 
 TEST(KnownParts, HaveRules) {
-  GraphSlam empty{GraphOptions()};
+  GraphSlam empty{keyframes::GraphOptions()};
   EXPECT_THROW(empty.beginKnownPart(), core::ContractError);
-  GraphOptions options;
+  keyframes::GraphOptions options;
   options.loops = false;
   GraphSlam without(options);
   EXPECT_THROW(without.joinParts(core::silentProgress()), core::ContractError);

@@ -19,7 +19,7 @@ struct Driven {
   std::vector<GraphSlam::Step> steps;
 };
 
-Driven runThrough(const Drive& log, const GraphOptions& options) {
+Driven runThrough(const Drive& log, const keyframes::GraphOptions& options) {
   Driven run{GraphSlam(options), {}, {}};
   for (size_t i = 0; i < log.scans.size(); ++i) {
     run.steps.push_back(run.graph.process(log.scans[i], log.increments[i], true));
@@ -33,7 +33,7 @@ TEST(GraphMechanisms, OdometrysEdgeIsTheIncrementsOneAfterTheOther) {
   core::Pose2 T{2, 2, 0};
   for (int i = 0; i < 80; ++i) path.push_back(T), T = T * core::Pose2{0.06, 0.02, i % 20 < 10 ? 0.07 : -0.05};
   const auto log = drive(ring(), path, {}, 0);
-  GraphOptions options;
+  keyframes::GraphOptions options;
   options.keyframe_distance_m = 0.4, options.keyframe_angle_rad = 1, options.keyframe_score = 0;
   const Driven run = runThrough(log, options);
   ASSERT_GE(run.keyframes.size(), 5U);
@@ -141,7 +141,7 @@ TEST(GraphMechanisms, NoLoopIsClosedThatTheWayBetweenRulesOut) {
   EXPECT_TRUE(valuesOf(run.graph, "accepted").empty()) << eventsOf(run.graph);
   EXPECT_LT(worstError(run.graph.poses(), log.truth), 0.3);
 
-  GraphOptions blind;
+  keyframes::GraphOptions blind;
   blind.loop_innovation = 1e9;
   EXPECT_FALSE(valuesOf(runThrough(log, blind).graph, "accepted").empty()) << "the corridors look alike";
 }
@@ -182,7 +182,7 @@ TEST(GraphMechanisms, NoLoopIsConfirmedByTheKeyframesJustDriven) {
   std::string events;
   for (const std::uint64_t seed : {1, 2, 3}) {
     const auto log = drive(ring(), lapsAround(2), {}, 1e-3, seed);
-    GraphOptions options;
+    keyframes::GraphOptions options;
     options.keyframe_distance_m = 0.8, options.keyframe_score = 0;
     options.map_path_m = 59.2;
     const Driven run = runThrough(log, options);
@@ -249,7 +249,7 @@ TEST(GraphMechanisms, FastTurnsAreFoundWithoutOdometryHoweverFarApartScansAre) {
   full.fov_rad = 2 * core::kPi * 359 / 360, full.beams = 360;
   auto log = drive(yard(), path, full, 0);
   for (size_t i = 0; i < log.scans.size(); ++i) log.scans[i].time_s = 1000 + 0.5 * static_cast<double>(i);
-  GraphSlam graph{GraphOptions()};
+  GraphSlam graph{keyframes::GraphOptions()};
   for (const auto& scan : log.scans) graph.process(scan, {}, false);
   EXPECT_LT(worstError(graph.poses(), log.truth), 0.05);
 }
@@ -262,7 +262,7 @@ TEST(GraphMechanisms, FastStepsAlongACorridorAreFoundWithoutOdometry) {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     auto log = drive(ring(), along({{10, 1}, {3, 1}, {18, 1}, {3, 1}, {17, 1}}, 1.0), full, 0, seed);
     for (size_t i = 0; i < log.scans.size(); ++i) log.scans[i].time_s = 1000 + 0.5 * static_cast<double>(i);
-    GraphSlam graph{GraphOptions()};
+    GraphSlam graph{keyframes::GraphOptions()};
     for (const auto& scan : log.scans) graph.process(scan, {}, false);
     EXPECT_LT(worstError(graph.poses(), log.truth), 0.1) << seed;
   }
@@ -303,7 +303,7 @@ struct Consistency {
   double online = 0, final = 0;
 };
 
-Consistency consistency(size_t first, size_t last, int drives, const GraphOptions& options) {
+Consistency consistency(size_t first, size_t last, int drives, const keyframes::GraphOptions& options) {
   Consistency mean;
   std::vector<core::Pose2> path;
   for (size_t i = 0; i < last; ++i) path.push_back({1 + 0.08 * static_cast<double>(i), 1, 0});
@@ -340,9 +340,9 @@ TEST(GraphMechanisms, EveryPassThroughAPlaceIsMeasuredByItself) {
     for (size_t i = 0; i < 4; ++i) {
       auto& ranges = log.scans[i].ranges_m;
       const auto first = static_cast<std::ptrdiff_t>(seen * static_cast<double>(ranges.size()));
-      std::fill(ranges.begin() + first, ranges.end(), robot::kLostReading);
+      std::fill(ranges.begin() + first, ranges.end(), lidar::kLostReading);
     }
-    GraphOptions options;
+    keyframes::GraphOptions options;
     options.loops = false;
     GraphSlam graph(options);
     for (size_t i = 0; i < known; ++i)
@@ -366,7 +366,7 @@ TEST(GraphMechanisms, EveryPassThroughAPlaceIsMeasuredByItself) {
 // Before the second keyframe only the match against the first is unsure. Over many kinds of buildings they
 // are true (benchmarks/results/consistency.csv.xz). A tenth or ten times as much is neither.
 TEST(GraphMechanisms, CovariancesBesideTheFirstKeyframeKeepTheirSize) {
-  GraphOptions options;
+  keyframes::GraphOptions options;
   options.keyframe_distance_m = 10, options.keyframe_score = 0;
   const auto mean = consistency(1, 4, 60, options);
   RecordProperty("final", std::to_string(mean.final));

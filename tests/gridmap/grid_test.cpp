@@ -17,15 +17,15 @@ namespace {
 using Spot = std::pair<int, int>;
 
 /// Fan of beams with ranges that jump, some lost, some without return.
-robot::Scan randomScan(core::RandomStream& random, int beams = 90) {
-  robot::Scan scan;
+lidar::Scan randomScan(core::RandomStream& random, int beams = 90) {
+  lidar::Scan scan;
   scan.first_angle_rad = -1.6, scan.step_rad = 3.2 / (beams - 1), scan.max_range_m = 4;
   scan.T_robot_lidar = {0.1, -0.05, 0.2};
   for (int i = 0; i < beams; ++i) {
     const double kind = random.uniform();
     float range_m = static_cast<float>(random.uniform(0.3, 3.5));
-    if (kind < 0.1) range_m = robot::kLostReading;
-    if (kind > 0.85) range_m = robot::kNoReturn;
+    if (kind < 0.1) range_m = lidar::kLostReading;
+    if (kind > 0.85) range_m = lidar::kNoReturn;
     scan.ranges_m.push_back(range_m);
   }
   return scan;
@@ -179,7 +179,7 @@ TEST(Grid, ACopyNeverSeesWhatTheOtherInserts) {
 
 TEST(Grid, WhatIsCertainStaysShared) {
   Grid grid({});
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.first_angle_rad = -1.5, scan.step_rad = 0.01, scan.max_range_m = 10;
   scan.ranges_m.assign(300, 3.0F);
   for (int i = 0; i < 60; ++i) grid.insert(scanRays(scan, {}), {});
@@ -211,10 +211,10 @@ TEST(Grid, GrowsInAllFourDirections) {
 // The story of the stock grid's insertion, which turns every scan by half a beam: here the last beam ends in
 // the cell that it measured.
 TEST(Grid, EveryBeamEndsWhereItPoints) {
-  robot::Scan scan;
+  lidar::Scan scan;
   const int beams = 181;
   scan.first_angle_rad = -core::kPi / 2, scan.step_rad = core::kPi / (beams - 1), scan.max_range_m = 20;
-  scan.ranges_m.assign(beams, robot::kLostReading);
+  scan.ranges_m.assign(beams, lidar::kLostReading);
   scan.ranges_m.front() = scan.ranges_m.back() = 10.025F;
   Grid grid({});
   grid.insert(scanRays(scan, {}), {0.025, 0, 0});
@@ -223,9 +223,9 @@ TEST(Grid, EveryBeamEndsWhereItPoints) {
 }
 
 TEST(Grid, ABeamThatMetNothingClearsAndMarksNothing) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.step_rad = 0.01, scan.max_range_m = 3;
-  scan.ranges_m = {robot::kNoReturn};
+  scan.ranges_m = {lidar::kNoReturn};
   Grid grid({});
   grid.insert(scanRays(scan, {}), {0.01, 0.01, 0});
   EXPECT_LT(grid.probability(59, 0), 0.5);
@@ -237,16 +237,16 @@ TEST(Grid, ABeamThatMetNothingClearsAndMarksNothing) {
 }
 
 TEST(Grid, ALostReadingChangesNothing) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.step_rad = 0.01, scan.max_range_m = 3;
-  scan.ranges_m = {robot::kLostReading, 0.0F, -1.0F, -robot::kNoReturn};
+  scan.ranges_m = {lidar::kLostReading, 0.0F, -1.0F, -lidar::kNoReturn};
   Grid grid({});
   grid.insert(scanRays(scan, {}), {});
   EXPECT_EQ(grid.tiles(), 0U);
 }
 
 TEST(Grid, AReturnBeyondTheRangeClearsUpToIt) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.step_rad = 0.01, scan.max_range_m = 30;
   scan.ranges_m = {8.0F};
   Grid grid({});
@@ -257,7 +257,7 @@ TEST(Grid, AReturnBeyondTheRangeClearsUpToIt) {
 }
 
 TEST(Grid, ASurfaceIsKeptFinerThanItsCell) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.step_rad = 0.01, scan.max_range_m = 30;
   scan.ranges_m = {1.237F};
   Grid grid({});
@@ -268,7 +268,7 @@ TEST(Grid, ASurfaceIsKeptFinerThanItsCell) {
 }
 
 TEST(Grid, ASurfaceIsTheMeanOfItsFirstSixteenReturns) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.step_rad = 0.01, scan.max_range_m = 30;
   Grid grid({});
   for (int i = 0; i < 20; ++i) {
@@ -311,7 +311,7 @@ TEST(Grid, AnEmptyGridIsOneUnknownCell) {
 
 TEST(Grid, RefusesWhatItCannotHold) {
   Grid grid({});
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.step_rad = 0.01, scan.max_range_m = 3, scan.ranges_m = {1.0F};
   EXPECT_THROW(grid.insert(scanRays(scan, {}), {NAN, 0, 0}), core::ContractError);
   EXPECT_THROW(grid.insert(scanRays(scan, {}), {1e9, 0, 0}), core::ContractError);

@@ -7,10 +7,10 @@ namespace {
 
 /// Four beams, from straight ahead to the left, a quarter of a turn apart: a return, no return, a lost
 /// reading, a far return.
-robot::Scan fourBeams() {
-  robot::Scan scan;
+lidar::Scan fourBeams() {
+  lidar::Scan scan;
   scan.step_rad = core::kPi / 2, scan.max_range_m = 20;
-  scan.ranges_m = {1.0F, robot::kNoReturn, robot::kLostReading, 15.0F};
+  scan.ranges_m = {1.0F, lidar::kNoReturn, lidar::kLostReading, 15.0F};
   return scan;
 }
 

@@ -74,7 +74,7 @@ for example in optimise_graph:posegraph localise_in_map:"mapping rasterslam-logs
   # shellcheck disable=SC2086  # words
   quietly c++ -std=c++17 "examples/${example%%:*}.cpp" -o "pc_${example%%:*}" $flags ${LDFLAGS:-}
 done
-libraries=$(dirname "$(find "$place" -name librasterslam-base.so)")
+libraries=$(dirname "$(find "$place" -name librasterslam-core.so)")
 export LD_LIBRARY_PATH=$libraries
 quietly ./pc_optimise_graph square.g2o by_pkg_config.g2o
 cmp by_cmake.g2o by_pkg_config.g2o
@@ -84,7 +84,7 @@ quietly ./pc_localise_in_map map.simplemap run.rawlog
 mkdir older
 sed 's/RASTERSLAM_[0-9.]*/RASTERSLAM_0.1/' "$build/rasterslam.map" >older.map
 quietly c++ -shared -o older/librasterslam-posegraph.so.0 -Wl,-soname,librasterslam-posegraph.so.0 -Wl,--version-script=older.map \
-  -Wl,--whole-archive "$libraries/librasterslam-posegraph.a" -Wl,--no-whole-archive -L"$libraries" -lrasterslam-base ${LDFLAGS:-}
+  -Wl,--whole-archive "$libraries/librasterslam-posegraph.a" -Wl,--no-whole-archive -L"$libraries" -lrasterslam-files -lrasterslam-core ${LDFLAGS:-}
 ! LD_LIBRARY_PATH=$scratch/older:$libraries ./pc_optimise_graph square.g2o older.g2o 2>said.log || fail "an older library was taken"
 if [ "$(wc -l <said.log)" -ne 1 ] || ! grep -q "librasterslam-posegraph.so.0: version .RASTERSLAM_[0-9.]*' not found" said.log; then
   fail "an older library: found '$(cat said.log)', expected one line that names it and the version"

@@ -14,7 +14,7 @@ import sys
 LIST = pathlib.Path(__file__).with_name("symbols.txt")
 # Functions and data that are strong: which inline ones appear is the compiler's choice.
 STRONG = set("TDBR")
-# What differs between the releases of Debian: the class of core/json_entry.h, which is not installed, and what a macro of MRPT's
+# What differs between the releases of Debian: the class of resources/json_entry.h, which is not installed, and what a macro of MRPT's
 # defines.
 OTHERS = re.compile(r"nlohmann::|::runtimeClassId$")
 OURS = re.compile(r"_Z(?:N|NK|TVN|TTN|TIN|TSN|ZN|ZNK|GVZN|GVZNK|GVN|T[hv].*_NK?)4slam")

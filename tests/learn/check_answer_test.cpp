@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/grade.h"
 #include "libslam/learn/student_folder.h"
 #include "libslam/testing/error_of.h"
@@ -83,7 +83,7 @@ class Answers : public ::testing::Test {
     return checkAnswer(lesson(), request, core::silentProgress());
   }
   static Verdict checkText(const std::string& text) {
-    core::writeFileAtomically(*folder_ / "mine/answer.txt", text);
+    files::writeFileAtomically(*folder_ / "mine/answer.txt", text);
     return check(*folder_ / "mine");
   }
   inline static testing::TempFolder* folder_ = nullptr;
@@ -91,8 +91,8 @@ class Answers : public ::testing::Test {
 };
 
 TEST_F(Answers, AreReadFromTheFolderOrTaken) {
-  EXPECT_EQ(checkText(core::formatNumber(right_) + "\n").finding, Finding::kRight);
-  EXPECT_EQ(check(core::formatNumber(right_), 4).finding, Finding::kRight);
+  EXPECT_EQ(checkText(files::formatNumber(right_) + "\n").finding, Finding::kRight);
+  EXPECT_EQ(check(files::formatNumber(right_), 4).finding, Finding::kRight);
   EXPECT_THAT(errorOf([&] { check("0.5"); }), HasSubstr("expected --student NUMBER"));
 }
 
@@ -110,7 +110,7 @@ TEST_F(Answers, OfAnotherStudentOrLessonAreNamed) {
   const testing::TempFolder scratch;
   const double neighbours =
       recipeOf(lesson().options.recipe)({lesson(), 5, scratch.path(), core::silentProgress()}).at("answer");
-  EXPECT_EQ(check(core::formatNumber(neighbours), 4).kind, "other_student");
+  EXPECT_EQ(check(files::formatNumber(neighbours), 4).kind, "other_student");
   AnswerRequest request;
   request.answer = *folder_ / "mine";
   EXPECT_EQ(checkAnswer(readLessons()[0], request, core::silentProgress()).kind, "other_lesson");
@@ -122,9 +122,9 @@ TEST_F(Answers, AreGradedFolderByFolder) {
   const testing::TempFolder room;
   startLesson(lesson(), 7, room / "a/deep", core::silentProgress());
   startLesson(lesson(), 8, room / "b", core::silentProgress());
-  core::writeFileAtomically(room / "b/answer.txt", "-1\n");
+  files::writeFileAtomically(room / "b/answer.txt", "-1\n");
   startLesson(lesson(), 8, room / "c", core::silentProgress());
-  core::writeFileAtomically(room / "c/lesson.ini", "[lesson]\nnumber = 5\nstudent = nobody\nversion = 0\n");
+  files::writeFileAtomically(room / "c/lesson.ini", "[lesson]\nnumber = 5\nstudent = nobody\nversion = 0\n");
   const auto lessons = readLessons();
   const auto folders = studentFolders({room.path()});
   ASSERT_EQ(folders.size(), 3U);

@@ -7,10 +7,10 @@
 #include <set>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/recipes.h"
 #include "libslam/learn/student_folder.h"
+#include "libslam/resources/resources.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -24,7 +24,7 @@ TEST(Lessons, AreTenAndEachHasAPageWithThreeExercisesAndTwoPictures) {
   const auto lessons = readLessons();
   ASSERT_EQ(lessons.size(), 10U);
   for (const auto& lesson : lessons) {
-    const std::string page = core::readTextFile(pagesFolder() + "/" + lesson.name + ".md");
+    const std::string page = files::readTextFile(pagesFolder() + "/" + lesson.name + ".md");
     EXPECT_THAT(page, HasSubstr("# Lesson " + std::to_string(lesson.options.number) + ": ")) << lesson.name;
     EXPECT_THAT(page, HasSubstr("\n## Exercises\n\n1. ")) << lesson.name;
     EXPECT_THAT(page, HasSubstr("\n3. ")) << lesson.name;
@@ -60,7 +60,7 @@ TEST(Lessons, HandOutTheSameMaterialTwiceAndAnotherToTheNextStudent) {
 class LessonFiles : public ::testing::Test {
  protected:
   std::string errorWith(const std::string& text) {
-    core::writeFileAtomically(folder_ / "01-one.ini", text);
+    files::writeFileAtomically(folder_ / "01-one.ini", text);
     return errorOf([&] { readLessons(folder_.path()); });
   }
   testing::TempFolder folder_;

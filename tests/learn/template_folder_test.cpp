@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -36,18 +36,18 @@ TEST(Templates, OfEveryKindAndLanguageLeaveNoMarkAndSayWhatToEdit) {
       EXPECT_FALSE(made.next.empty());
       for (const auto& line : made.next) EXPECT_EQ(line.find('@'), std::string::npos) << line;
       for (const auto& file : made.files) {
-        const std::string text = core::readTextFile(path + "/" + file);
+        const std::string text = files::readTextFile(path + "/" + file);
         EXPECT_EQ(file.find('@'), std::string::npos) << file;
         for (const char* mark : {"@name@", "@Name@", "@rasterslam@", "@version@"})
           EXPECT_EQ(text.find(mark), std::string::npos) << path << "/" << file;
       }
-      EXPECT_THAT(core::readTextFile(path + "/README.md"), HasSubstr("next**")) << path;
+      EXPECT_THAT(files::readTextFile(path + "/README.md"), HasSubstr("next**")) << path;
       const bool is_test_there =
           std::any_of(made.files.begin(), made.files.end(),
                       [](const std::string& file) { return file.find("test") != std::string::npos; });
       EXPECT_TRUE(is_test_there) << path;
       if (language == "cpp") {
-        EXPECT_THAT(core::readTextFile(path + "/find_rasterslam.cmake"),
+        EXPECT_THAT(files::readTextFile(path + "/find_rasterslam.cmake"),
                     HasSubstr("RASTERSLAM \"/opt/library\""));
       }
     }
@@ -84,7 +84,7 @@ TEST(Templates, NeverReplaceAFolder) {
                 makeFromTemplate({"method", "", "mine", folder / "mine", ""});
               }),
               HasSubstr("somebody's work"));
-  EXPECT_EQ(core::readTextFile(folder / "mine/mine.py"), "my work\n");
+  EXPECT_EQ(files::readTextFile(folder / "mine/mine.py"), "my work\n");
 }
 
 TEST(ClassName, JoinsTheWords) {

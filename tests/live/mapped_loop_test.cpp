@@ -4,13 +4,13 @@
 
 #include <limits>
 
-#include "libslam/core/resources.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::live {
 namespace {
 
-robot::Scan scanAt(double time_s) {
-  robot::Scan scan;
+lidar::Scan scanAt(double time_s) {
+  lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = -1, scan.step_rad = 0.1, scan.max_range_m = 10;
   scan.ranges_m.assign(21, 2);
@@ -33,8 +33,8 @@ class Watcher : public record::StepObserver {
 };
 
 mapping::MapBuilder naiveByWheels() {
-  return mapping::makeMapBuilder(mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel"),
-                                 "naive_wheel", 1);
+  return mapping::makeMapBuilder(
+      mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel"), "naive_wheel", 1);
 }
 
 TEST(MappedLoop, AMapGrowsWhereNoneWasBuilt) {

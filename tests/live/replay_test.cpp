@@ -6,9 +6,9 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
@@ -21,13 +21,13 @@ using ::testing::HasSubstr;
 class ReplayTest : public ::testing::Test {
  protected:
   ReplayTest() {
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "8", "test");
     ini.set("lidar", "beams", "181", "test");
-    record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(ini), 2, log_, {},
-                   core::silentProgress());
-    run_ = run::buildMap(log_, mapping::loadMethodConfig(core::configsFolder() + "/methods", "icp"), "icp", 1,
-                         out_, false, {}, core::silentProgress());
+    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 2, log_,
+                   {}, core::silentProgress());
+    run_ = run::buildMap(log_, mapping::loadMethodConfig(resources::configsFolder() + "/methods", "icp"),
+                         "icp", 1, out_, false, {}, core::silentProgress());
   }
   const testing::TempFolder folder_;
   const std::string log_ = folder_ / "run.rawlog", out_ = folder_ / "out";

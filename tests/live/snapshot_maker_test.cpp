@@ -2,14 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include "libslam/core/resources.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::live {
 namespace {
 
-robot::Scan scanAt(double time_s, float range_m = 2) {
-  robot::Scan scan;
+lidar::Scan scanAt(double time_s, float range_m = 2) {
+  lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = -1, scan.step_rad = 0.1, scan.max_range_m = 10;
   scan.ranges_m.assign(21, range_m);
@@ -51,7 +51,7 @@ TEST(SnapshotMaker, FindsTheTruthByTheStamps) {
 
 TEST(SnapshotMaker, PlacesAChoiceWithoutAMapWhereItWasTaken) {
   SnapshotMaker maker("", "", {});
-  navigate::Decision decision;
+  choices::Decision decision;
   decision.turn_rad = core::kPi / 2;
   decision.distance_m = 3;
   decision.alternatives = {{1, 0}};
@@ -70,7 +70,7 @@ TEST(SnapshotMaker, PlacesAChoiceWithoutAMapWhereItWasTaken) {
 
 TEST(SnapshotMaker, TakesAChoiceOnTheMapAsItIs) {
   SnapshotMaker maker("", "", {});
-  navigate::Decision decision;
+  choices::Decision decision;
   decision.path = {{1, 1}, {4, 5}};
   decision.goal = {4, 5};
   decision.alternatives = {{7, 7}};
@@ -99,7 +99,7 @@ TEST(SnapshotMaker, ShowsTheStrategicDirectionsUpToTheirReadings) {
   SnapshotMaker maker("", "", {});
   maker.setStrategicView(0.4, {0, 0.5, core::kPi});
   auto scan = scanAt(100, 1.5);
-  scan.ranges_m[15] = robot::kNoReturn;  // at 0.5
+  scan.ranges_m[15] = lidar::kNoReturn;  // at 0.5
   maker.add({0, scan, {}, {}});
   const auto strategic = maker.snapshot(nullptr, false).strategic;
   ASSERT_TRUE(strategic);
@@ -111,8 +111,8 @@ TEST(SnapshotMaker, ShowsTheStrategicDirectionsUpToTheirReadings) {
 }
 
 TEST(SnapshotMaker, ACarryBreaksTheTruePathAndIsSaid) {
-  const auto plan = world::loadPlan(core::resolvePlan("flat"));
-  robot::LidarOptions lidar;
+  const auto plan = world::loadPlan(resources::resolvePlan("flat"));
+  lidar::LidarOptions lidar;
   lidar.beams = 21;
   sim::Simulator simulator(plan, {}, lidar, {}, {3, 3, 0}, 1);
   simulator.carryAt(sim::parseCarries("1:11,3,90", "test"));
@@ -141,7 +141,7 @@ TEST(SnapshotMaker, ShowsALoopOnlyOnceItWasClosed) {
 
 TEST(SnapshotMaker, AsksAMethodForItsMapOnlyWhenToldTo) {
   auto method = mapping::makeMapBuilder(
-      mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel"), "naive_wheel", 1);
+      mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel"), "naive_wheel", 1);
   SnapshotMaker maker("", "", {});
   const auto step = [&](double time_s) {
     const auto scan = scanAt(100 + time_s);

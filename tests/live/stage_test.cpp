@@ -9,8 +9,8 @@
 namespace slam::live {
 namespace {
 
-robot::Scan someScan() {
-  robot::Scan scan;
+lidar::Scan someScan() {
+  lidar::Scan scan;
   scan.step_rad = 0.1, scan.max_range_m = 10;
   scan.ranges_m.assign(5, 1.0F);
   return scan;

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/testing/temp_folder.h"
@@ -31,7 +31,7 @@ inline std::vector<Object> objectsOf(const std::string& path) {
 
 inline std::vector<Object> objectsOfText(const std::string& text) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a.clf", text);
+  files::writeFileAtomically(folder / "a.clf", text);
   return objectsOf(folder / "a.clf");
 }
 
@@ -69,7 +69,7 @@ inline std::pair<size_t, std::string> failureOf(const std::string& path) {
 }
 inline std::pair<size_t, std::string> failureOfText(const std::string& text) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a.clf", text);
+  files::writeFileAtomically(folder / "a.clf", text);
   return failureOf(folder / "a.clf");
 }
 
@@ -95,7 +95,7 @@ inline std::string gzip(const std::string& content) {
   const gzFile file = gzopen((folder / "a").c_str(), "wb");
   gzwrite(file, content.data(), static_cast<unsigned>(content.size()));
   gzclose(file);
-  return core::readTextFile(folder / "a");
+  return files::readTextFile(folder / "a");
 }
 
 }  // namespace slam::logs

@@ -201,7 +201,7 @@ TEST(CarmenReader, LabelsTheTruthAsTruth) {
 
 TEST(CarmenReader, KeepsUnknownMessagesAsTextAndCountsThem) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(
+  files::writeFileAtomically(
       folder / "a.clf",
       "ODOM 0 0 0 0 0 0" + kTail + "NMEA-GGA 1 2\nSONAR 3\n\nSONAR 4\nFLASER 0 0 0 0 0 0 0" + kTail);
   const auto source = openLog(folder / "a.clf");
@@ -255,7 +255,7 @@ TEST(CarmenReader, GivesWhatComesBeforeTheEndOfPackedDataThatAreCut) {
   std::string text;
   for (int i = 0; i < 2000; ++i) text += "ODOM " + std::to_string(i * 31 % 977) + " 0 0 0 0 0" + kTail;
   for (const auto& packed : {gzip(text), xz(text)}) {
-    core::writeFileAtomically(folder / "a", packed.substr(0, packed.size() / 2));
+    files::writeFileAtomically(folder / "a", packed.substr(0, packed.size() / 2));
     const auto [count, error] = failureOf(folder / "a");
     EXPECT_GT(count, 100U);
     EXPECT_LT(count, 2000U);
@@ -263,20 +263,20 @@ TEST(CarmenReader, GivesWhatComesBeforeTheEndOfPackedDataThatAreCut) {
     EXPECT_THAT(error, HasSubstr("after " + std::to_string(count - 1) + " good lines"));
   }
   const auto whole = gzip(text);
-  core::writeFileAtomically(folder / "a", whole.substr(0, whole.size() - 4));
+  files::writeFileAtomically(folder / "a", whole.substr(0, whole.size() - 4));
   const auto [all_objects, cut_in_trailer] = failureOf(folder / "a");
   EXPECT_EQ(all_objects, 2001U) << "a note and every reading";
   EXPECT_THAT(cut_in_trailer, HasSubstr(": truncated: the gzip data end"));
   auto damaged = xz(text);
   damaged[damaged.size() / 2] ^= 1;
-  core::writeFileAtomically(folder / "a", damaged);
+  files::writeFileAtomically(folder / "a", damaged);
   EXPECT_THAT(failureOf(folder / "a").second, HasSubstr(": corrupt: the xz data break"));
 }
 
 TEST(LogFormats, AreToldByContentWhateverTheName) {
   const testing::TempFolder folder;
   const auto formatOf = [&folder](const std::string& content) {
-    core::writeFileAtomically(folder / "log.txt", content);
+    files::writeFileAtomically(folder / "log.txt", content);
     return detectLogFormat(folder / "log.txt");
   };
   const std::string carmen = "# a remark\n\nNMEA-GGA what\nODOM 0 0 0 0 0 0" + kTail;
@@ -293,15 +293,15 @@ TEST(LogFormats, AreToldByContentWhateverTheName) {
 // --- The way back
 // -------------------------------------------------------------------------------------------
 
-std::string throughRawlog(const std::string& text, std::optional<RawlogForm> form = std::nullopt) {
+std::string throughRawlog(const std::string& text, std::optional<rawlogs::RawlogForm> form = std::nullopt) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a.clf", text);
+  files::writeFileAtomically(folder / "a.clf", text);
   LogConversion to_rawlog, to_carmen;
   to_rawlog.form = form;
   to_carmen.to = LogFormat::kCarmen;
   convertLog(folder / "a.clf", folder / "a.rawlog", to_rawlog, core::silentProgress());
   convertLog(folder / "a.rawlog", folder / "b.clf", to_carmen, core::silentProgress());
-  return core::readTextFile(folder / "b.clf");
+  return files::readTextFile(folder / "b.clf");
 }
 
 TEST(CarmenWriter, GivesEveryLineBackThatARawlogCanHold) {
@@ -333,7 +333,7 @@ TEST(CarmenWriter, KeepsScansAndStampsThroughTheActionForm) {
   const auto back =
       throughRawlog(line("0.000000", "1000.250000", "0.000000") + "ODOM 0.5 0 0 0 0 0 1000.3 host 0.05\n" +
                         line("0.750000", "1000.500000", "0.250000"),
-                    RawlogForm::kActionFrame);
+                    rawlogs::RawlogForm::kActionFrame);
   // Odometry stands in lines of its own, and that between scans is in the increments.
   EXPECT_EQ(back,
             "ODOM 0.000000 0.000000 0.000000 0.000000 0.000000 0.000000 1000.250000 nohost 0.000000\n" +
@@ -373,7 +373,7 @@ TEST(CarmenWriter, WritesScansOfOtherLogsAsNewLinesThatReadBackTheSame) {
   EXPECT_NEAR(entry->scan.T_robot_lidar.x, 0.1, 1e-9);
   EXPECT_NEAR(entry->scan.T_robot_lidar.phi, 0.5, 1e-6);
   EXPECT_EQ(entry->scan.ranges_m[3], 1.2345678F) << "a sweep from left to right is turned round";
-  EXPECT_EQ(entry->scan.ranges_m[2], robot::kNoReturn);
+  EXPECT_EQ(entry->scan.ranges_m[2], lidar::kNoReturn);
   EXPECT_TRUE(std::isnan(entry->scan.ranges_m[1]));
   EXPECT_EQ(entry->scan.ranges_m[0], 0.1F);
 }

@@ -73,7 +73,7 @@ inline std::string bareLog(const testing::TempFolder& folder, const std::string&
 }
 
 inline std::string actionLog(const testing::TempFolder& folder, const std::string& name, int steps) {
-  writeLog(sampleEntries(steps), folder / name, RawlogForm::kActionFrame);
+  writeLog(sampleEntries(steps), folder / name, rawlogs::RawlogForm::kActionFrame);
   return folder / name;
 }
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/objects/mrpt_time.h"
@@ -26,15 +26,15 @@ namespace slam::logs {
 inline constexpr double kStart_s = 1'700'000'000.0;
 
 /// A scan of 5 beams over 180 deg, one of each kind of reading among them.
-inline robot::Scan sampleScan(double time_s, float first_range_m) {
-  robot::Scan scan;
+inline lidar::Scan sampleScan(double time_s, float first_range_m) {
+  lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = -core::kPi / 2;
   scan.step_rad = core::kPi / 4;
   scan.max_range_m = 30;
   scan.range_sigma_m = 0.0078125;  // a power of two, so that MRPT's float holds it exactly
   scan.T_robot_lidar = {0.25, -0.125, 0.5};
-  scan.ranges_m = {first_range_m, 2.5F, robot::kNoReturn, robot::kLostReading, 29.5F};
+  scan.ranges_m = {first_range_m, 2.5F, lidar::kNoReturn, lidar::kLostReading, 29.5F};
   return scan;
 }
 
@@ -54,7 +54,8 @@ inline std::vector<LogEntry> sampleEntries(int count) {
   return entries;
 }
 
-inline void writeLog(const std::vector<LogEntry>& entries, const std::string& path, RawlogForm form) {
+inline void writeLog(const std::vector<LogEntry>& entries, const std::string& path,
+                     rawlogs::RawlogForm form) {
   LogWriter writer(path, form);
   for (const auto& entry : entries) writer.write(entry);
   writer.close();
@@ -84,7 +85,7 @@ inline Outcome readOutcome(const std::string& path, const std::string& label = "
 }
 
 inline std::string readBytes(const std::string& path) {
-  return core::readTextFile(path);
+  return files::readTextFile(path);
 }
 
 inline void writeBytes(const std::string& bytes, const std::string& path) {

@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/logs/ros_fixtures.h"
 
@@ -31,7 +31,7 @@ INSTANTIATE_TEST_SUITE_P(Logs, EveryFormat, ::testing::ValuesIn(logFormats()),
 TEST_P(EveryFormat, IsKnownByWhatItBeginsWithAndByThatAlone) {
   const std::string path = write(drive(30));
   EXPECT_EQ(detectLogFormat(path), GetParam().format);
-  const std::string start = core::readTextFile(path).substr(0, 1 << 16);
+  const std::string start = files::readTextFile(path).substr(0, 1 << 16);
   // A rawlog may be packed.
   if (GetParam().format == LogFormat::kRawlog) return;
   for (const auto& other : logFormats())
@@ -51,8 +51,8 @@ TEST_P(EveryFormat, GivesBackItsScansInOrder) {
 }
 
 TEST_P(EveryFormat, WritesTheSameBytesAgainAndNothingWithoutBeingClosed) {
-  const std::string first = core::readTextFile(write(drive(3)));
-  EXPECT_EQ(core::readTextFile(write(drive(3))), first);
+  const std::string first = files::readTextFile(write(drive(3)));
+  EXPECT_EQ(files::readTextFile(write(drive(3))), first);
   const std::string other = folder_ / ("open" + GetParam().suffixes.front());
   createLog(other, GetParam().format)->write(*drive(1)[2]);
   EXPECT_EQ(

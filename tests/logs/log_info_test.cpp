@@ -31,7 +31,7 @@ TEST(LogInfo, SumsUpALogDrawnByHand) {
     entries[i].T_odom_robot =
         i == 0 ? core::Pose2{} : entries[i - 1].T_odom_robot * entries[i].T_previous_robot;
   }
-  writeLog(entries, path, RawlogForm::kActionFrame);
+  writeLog(entries, path, rawlogs::RawlogForm::kActionFrame);
   const LogInfo info = inspectLog(path);
   EXPECT_EQ(info.path, path);
   EXPECT_EQ(info.form, "action / sensory frame");
@@ -59,7 +59,7 @@ TEST(LogInfo, SumsUpALogDrawnByHand) {
 
   entries[3].scan.time_s = kStart_s + 15;
   entries[3].scan.max_range_m = 31;
-  writeLog(entries, path, RawlogForm::kObservationOnly);
+  writeLog(entries, path, rawlogs::RawlogForm::kObservationOnly);
   const LogInfo other = inspectLog(path);
   EXPECT_EQ(other.form, "observation only");
   EXPECT_FALSE(other.stamps_run_back);
@@ -78,7 +78,7 @@ TEST(LogInfo, SaysThatALogWithoutScansIsOfNoUse) {
   EXPECT_EQ(info.first_time_s, 0);
   EXPECT_EQ(info.longest_gap_s, 0);
   EXPECT_EQ(errorOf(info), path + ": holds 0 laser scans, expected at least 1");
-  writeLog({}, path, RawlogForm::kActionFrame);
+  writeLog({}, path, rawlogs::RawlogForm::kActionFrame);
   EXPECT_EQ(inspectLog(path).form, "empty");
   LogInfo one_beam = info;
   one_beam.scans = one_beam.beams = 1;
@@ -87,7 +87,7 @@ TEST(LogInfo, SaysThatALogWithoutScansIsOfNoUse) {
 
 TEST(LogInfo, DescribesALogOfASingleScan) {
   const testing::TempFolder folder;
-  writeLog(sampleEntries(1), folder / "a.rawlog", RawlogForm::kActionFrame);
+  writeLog(sampleEntries(1), folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
   const LogInfo info = inspectLog(folder / "a.rawlog");
   EXPECT_EQ(info.scans, 1U);
   EXPECT_EQ(info.first_time_s, info.last_time_s);

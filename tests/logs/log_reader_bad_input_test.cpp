@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "libslam/core/memory_guard.h"
+#include "libslam/files/memory_guard.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/logs/log_fixtures.h"
@@ -48,7 +48,7 @@ TEST(LogReader, SaysWhatAFileIsThatIsNoLog) {
 
 TEST(LogReader, ReportsTheByteOffsetOfATruncatedLog) {
   const testing::TempFolder folder;
-  writeLog(sampleEntries(40), folder / "a.rawlog", RawlogForm::kActionFrame);
+  writeLog(sampleEntries(40), folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
   const auto bytes = readBytes(folder / "a.rawlog");
   const auto size = std::to_string(bytes.size() - 1);
   writeBytes(bytes.substr(0, bytes.size() - 1), folder / "cut.rawlog");
@@ -60,7 +60,7 @@ TEST(LogReader, ReportsTheByteOffsetOfATruncatedLog) {
 
 TEST(LogReader, NoticesACutAnywhereInAPackedLog) {
   const testing::TempFolder folder;
-  writeLog(sampleEntries(4), folder / "a.rawlog", RawlogForm::kObservationOnly);
+  writeLog(sampleEntries(4), folder / "a.rawlog", rawlogs::RawlogForm::kObservationOnly);
   const auto bytes = readBytes(folder / "a.rawlog");
   size_t before = 0;
   for (size_t size = 2; size < bytes.size(); ++size) {
@@ -79,7 +79,7 @@ TEST(LogReader, NoticesACutInAPlainLogUnlessItFallsBetweenTwoEntries) {
   const testing::TempFolder folder;
   std::vector<size_t> borders;  // brute force: the sizes of the shorter logs
   for (int count = 0; count <= 3; ++count) {
-    writeLog(sampleEntries(count), folder / "a.rawlog", RawlogForm::kObservationOnly);
+    writeLog(sampleEntries(count), folder / "a.rawlog", rawlogs::RawlogForm::kObservationOnly);
     borders.push_back(unpacked(folder / "a.rawlog").size());
   }
   const auto plain = unpacked(folder / "a.rawlog");
@@ -108,7 +108,7 @@ TEST(LogReader, NoticesACutInAPlainLogUnlessItFallsBetweenTwoEntries) {
 // MRPT's parsers crash on some of these: they must not see them.
 TEST(LogReader, NoticesEveryFlippedBitThatChangesTheContentBeforeItsFirstEntry) {
   const testing::TempFolder folder;
-  writeLog(sampleEntries(4), folder / "a.rawlog", RawlogForm::kActionFrame);
+  writeLog(sampleEntries(4), folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
   const auto bytes = readBytes(folder / "a.rawlog"), content = unpacked(folder / "a.rawlog");
   size_t harmless = 0, looks_cut = 0;
   for (size_t i = 2; i < bytes.size(); ++i) {
@@ -139,7 +139,7 @@ TEST(LogReader, NoticesEveryFlippedBitThatChangesTheContentBeforeItsFirstEntry) 
 
 TEST(LogReader, ReportsAChecksumThatDoesNotMatch) {
   const testing::TempFolder folder;
-  for (const auto form : {RawlogForm::kActionFrame, RawlogForm::kObservationOnly}) {
+  for (const auto form : {rawlogs::RawlogForm::kActionFrame, rawlogs::RawlogForm::kObservationOnly}) {
     writeLog(sampleEntries(2000), folder / "a.rawlog", form);
     auto bytes = readBytes(folder / "a.rawlog");
     const auto size = std::to_string(bytes.size());
@@ -154,7 +154,7 @@ TEST(LogReader, ReportsAChecksumThatDoesNotMatch) {
 
 TEST(LogReader, ReportsWhereTheGzipDataBreaks) {
   const testing::TempFolder folder;
-  writeLog(sampleEntries(300), folder / "b.rawlog", RawlogForm::kActionFrame);
+  writeLog(sampleEntries(300), folder / "b.rawlog", rawlogs::RawlogForm::kActionFrame);
   // Behind a whole gzip member stands something that is none.
   writeBytes(readBytes(folder / "b.rawlog") + "garbage that is no gzip member", folder / "damaged.rawlog");
   const auto outcome = readOutcome(folder / "damaged.rawlog");
@@ -166,7 +166,7 @@ TEST(LogReader, ReportsWhereTheGzipDataBreaks) {
 
 TEST(LogReader, GivesTheEntriesBeforeTheDamageFirst) {
   const testing::TempFolder folder;
-  writeLog(sampleEntries(6), folder / "a.rawlog", RawlogForm::kActionFrame);
+  writeLog(sampleEntries(6), folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
   auto plain = unpacked(folder / "a.rawlog");
   const std::string name = "mrpt::obs::CSensoryFrame";
   size_t at = 0;
@@ -189,7 +189,7 @@ TEST(LogReader, GivesTheEntriesBeforeTheDamageFirst) {
 }
 
 TEST(LogReader, RefusesAnEntryOfImpossibleSizeAsCorrupt) {
-  if (!core::MemoryGuard::isKept()) GTEST_SKIP() << "this build has an allocator of its own";
+  if (!files::MemoryGuard::isKept()) GTEST_SKIP() << "this build has an allocator of its own";
   const testing::TempFolder folder;
   {
     RawObjects log(folder / "a.rawlog");
@@ -208,7 +208,7 @@ TEST(LogReader, RefusesAnEntryOfImpossibleSizeAsCorrupt) {
 // MRPT writes to where it has got no memory: its allocator does not say so.
 TEST(LogReader, RefusesAScanOfImpossibleSizeAsCorrupt) {
   const testing::TempFolder folder;
-  writeLog(sampleEntries(2), folder / "a.rawlog", RawlogForm::kActionFrame);
+  writeLog(sampleEntries(2), folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
   const auto plain = unpacked(folder / "a.rawlog");
   const size_t scan = plain.find("mrpt::obs::CObservation2DRangeScan");
   int refused = 0;
@@ -224,7 +224,7 @@ TEST(LogReader, RefusesAScanOfImpossibleSizeAsCorrupt) {
 
 TEST(LogReader, RefusesEntriesNestedWithoutEnd) {
   const testing::TempFolder folder;
-  writeLog(sampleEntries(1), folder / "a.rawlog", RawlogForm::kActionFrame);
+  writeLog(sampleEntries(1), folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
   const auto plain = unpacked(folder / "a.rawlog");
   const size_t begin = plain.find("mrpt::obs::CSensoryFrame") - 1,
                inner = plain.find("mrpt::obs::CObservation2DRangeScan") - 1;

@@ -52,7 +52,7 @@ mrpt::obs::CActionRobotMovement3D spatialAction(double x_m) {
 
 TEST(LogReader, ReadsAPlainLogAsThePackedOne) {
   const testing::TempFolder folder;
-  writeLog(sampleEntries(9), folder / "packed.rawlog", RawlogForm::kActionFrame);
+  writeLog(sampleEntries(9), folder / "packed.rawlog", rawlogs::RawlogForm::kActionFrame);
   writeBytes(unpacked(folder / "packed.rawlog"), folder / "plain.rawlog");
   const auto plain = readLog(folder / "plain.rawlog"), packed = readLog(folder / "packed.rawlog");
   ASSERT_EQ(plain.size(), 9U);
@@ -61,7 +61,7 @@ TEST(LogReader, ReadsAPlainLogAsThePackedOne) {
 
 TEST(LogReader, ReadsSeveralGzipMembersInARow) {
   const testing::TempFolder folder;
-  writeLog(sampleEntries(3), folder / "a.rawlog", RawlogForm::kActionFrame);
+  writeLog(sampleEntries(3), folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
   const auto bytes = readBytes(folder / "a.rawlog");
   writeBytes(bytes + bytes, folder / "twice.rawlog");
   EXPECT_EQ(readLog(folder / "twice.rawlog").size(), 6U);

@@ -20,11 +20,13 @@ size_t filesIn(const std::string& folder) {
   return static_cast<size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator{}));
 }
 
-class BothForms : public ::testing::TestWithParam<RawlogForm> {};
+class BothForms : public ::testing::TestWithParam<rawlogs::RawlogForm> {};
 INSTANTIATE_TEST_SUITE_P(LogWriter, BothForms,
-                         ::testing::Values(RawlogForm::kActionFrame, RawlogForm::kObservationOnly),
+                         ::testing::Values(rawlogs::RawlogForm::kActionFrame,
+                                           rawlogs::RawlogForm::kObservationOnly),
                          [](const auto& form) {
-                           return form.param == RawlogForm::kActionFrame ? "ActionFrame" : "ObservationOnly";
+                           return form.param == rawlogs::RawlogForm::kActionFrame ? "ActionFrame"
+                                                                                  : "ObservationOnly";
                          });
 
 void expectSamePose(const core::Pose2& read, const core::Pose2& written) {
@@ -34,7 +36,7 @@ void expectSamePose(const core::Pose2& read, const core::Pose2& written) {
   EXPECT_NEAR(core::angleDifference(read.phi, written.phi), 0, 1e-13);
 }
 
-void expectSameScan(const robot::Scan& read, const robot::Scan& written) {
+void expectSameScan(const lidar::Scan& read, const lidar::Scan& written) {
   EXPECT_EQ(read.time_s, written.time_s);
   EXPECT_EQ(read.max_range_m, written.max_range_m);
   EXPECT_EQ(read.range_sigma_m, written.range_sigma_m);
@@ -107,7 +109,7 @@ TEST_P(BothForms, IsReadByMrptsOwnRawlogEdit) {
   writeLog(sampleEntries(11), folder / "a.rawlog", GetParam());
   const auto info = testing::runCommand("cd '" + folder.path() + "' && rawlog-edit --info -i a.rawlog");
   EXPECT_EQ(info.exit_code, 0) << info.err;
-  const bool frames = GetParam() == RawlogForm::kActionFrame;
+  const bool frames = GetParam() == rawlogs::RawlogForm::kActionFrame;
   EXPECT_THAT(info.out, HasSubstr(frames ? "Actions/SensoryFrame format       : Yes"
                                          : "Actions/SensoryFrame format       : No"));
   EXPECT_THAT(info.out, HasSubstr(frames ? "Observations format               : No"
@@ -121,7 +123,7 @@ TEST_P(BothForms, IsReadByMrptsOwnRawlogEdit) {
 TEST(LogWriter, LeavesNothingWithoutClose) {
   const testing::TempFolder folder;
   {
-    LogWriter writer(folder / "a.rawlog", RawlogForm::kActionFrame);
+    LogWriter writer(folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
     writer.write(sampleEntries(1)[0]);
     EXPECT_FALSE(fs::exists(folder / "a.rawlog"));
   }
@@ -131,7 +133,7 @@ TEST(LogWriter, LeavesNothingWithoutClose) {
 TEST(LogWriter, KeepsTheOldFileUntilClose) {
   const testing::TempFolder folder;
   writeBytes("old", folder / "a.rawlog");
-  LogWriter writer(folder / "a.rawlog", RawlogForm::kObservationOnly);
+  LogWriter writer(folder / "a.rawlog", rawlogs::RawlogForm::kObservationOnly);
   writer.write(sampleEntries(1)[0]);
   EXPECT_EQ(readBytes(folder / "a.rawlog"), "old");
   writer.close();
@@ -141,13 +143,13 @@ TEST(LogWriter, KeepsTheOldFileUntilClose) {
 
 TEST(LogWriter, WritesAnEmptyLogThatReadsAsEmpty) {
   const testing::TempFolder folder;
-  writeLog({}, folder / "a.rawlog", RawlogForm::kActionFrame);
+  writeLog({}, folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
   EXPECT_TRUE(readLog(folder / "a.rawlog").empty());
 }
 
 std::string writeError(const std::string& path, int entries) {
   try {
-    writeLog(sampleEntries(entries), path, RawlogForm::kActionFrame);
+    writeLog(sampleEntries(entries), path, rawlogs::RawlogForm::kActionFrame);
   } catch (const std::runtime_error& error) {
     return error.what();
   }
@@ -189,7 +191,7 @@ TEST_F(FullDisk, IsReportedByCloseForALogThatFitsIntoMemory) {
 
 TEST_F(FullDisk, StopsALongLogWhileItIsWritten) {
   const auto entry = sampleEntries(1)[0];
-  auto writer = std::make_unique<LogWriter>(folder_ / "a.rawlog", RawlogForm::kObservationOnly);
+  auto writer = std::make_unique<LogWriter>(folder_ / "a.rawlog", rawlogs::RawlogForm::kObservationOnly);
   std::string error;
   for (int i = 0; i < 100'000 && error.empty(); ++i) {
     try {
@@ -205,7 +207,7 @@ TEST_F(FullDisk, StopsALongLogWhileItIsWritten) {
 
 TEST(LogWriter, RefusesBrokenEntriesAndUseAfterClose) {
   const testing::TempFolder folder;
-  LogWriter writer(folder / "a.rawlog", RawlogForm::kActionFrame);
+  LogWriter writer(folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
   auto entry = sampleEntries(1)[0];
   entry.T_odom_robot.x = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(writer.write(entry), core::ContractError);

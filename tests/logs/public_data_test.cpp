@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 TEST(PublicData, TheTableThatComesWithTheProgramIsComplete) {
-  const auto table = readPublicData(core::publicDataFile());
+  const auto table = readPublicData(resources::publicDataFile());
   EXPECT_THAT(table.note, HasSubstr("not stated"));
   std::set<std::string> names;
   for (const auto& data : table.data) {
@@ -50,8 +50,8 @@ std::string entryWith(const std::string& name, const std::string& more) {
 
 TEST(PublicData, FindsWhatIsOnThisMachine) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "there.rawlog", "x");
-  core::writeFileAtomically(
+  files::writeFileAtomically(folder / "there.rawlog", "x");
+  files::writeFileAtomically(
       folder / "data.json",
       "{\"note\": \"n\", \"data\": [" +
           entryWith("one", ", \"kind\": \"log\", \"size_mb\": 1.5, \"installed\": [\"" +
@@ -68,7 +68,7 @@ TEST(PublicData, FindsWhatIsOnThisMachine) {
 TEST(PublicData, SaysWhichEntryIsWrong) {
   const testing::TempFolder folder;
   const auto errorWith = [&](const std::string& text) {
-    core::writeFileAtomically(folder / "data.json", text);
+    files::writeFileAtomically(folder / "data.json", text);
     return errorOf([&] { readPublicData(folder / "data.json"); });
   };
   const auto list = [](const std::string& entries) {

@@ -249,7 +249,7 @@ TEST(RealLogs, MountTheLidarOfFr079BehindTheCentre) {
   const auto entry = LogReader(path).next();
   EXPECT_EQ(entry->scan.T_robot_lidar.x, -0.04);
   // What the readings are taken from is 4 cm further back than the robot's centre.
-  const auto points = robot::scanPoints(entry->scan);
+  const auto points = lidar::scanPoints(entry->scan);
   const double range_m = static_cast<double>(entry->scan.ranges_m[0]);
   EXPECT_NEAR(points[0].x, -0.04, 1e-6) << "the first beam points to the right";
   EXPECT_NEAR(points[0].y, -range_m, 1e-6);
@@ -275,8 +275,9 @@ TEST(RealLogs, SayWhichStampsOfMitKillianAreInterpolated) {
 constexpr size_t kScansForPrograms = 300;
 
 /// The beginning of a log in one of the forms.
-void writeStart(const std::string& path, RawlogForm form, const std::string& out, size_t most_scans) {
-  const auto source = inForm(openLog(path), form, path);
+void writeStart(const std::string& path, rawlogs::RawlogForm form, const std::string& out,
+                size_t most_scans) {
+  const auto source = rawlogs::inForm(openLog(path), form, path);
   const auto sink = createLog(out, LogFormat::kRawlog);
   for (size_t scans = 0; scans < most_scans;) {
     const auto object = source->next();
@@ -289,7 +290,7 @@ void writeStart(const std::string& path, RawlogForm form, const std::string& out
 }
 
 size_t linesIn(const std::string& path) {
-  const std::string text = core::readTextFile(path);
+  const std::string text = files::readTextFile(path);
   return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
@@ -299,7 +300,7 @@ TEST_P(EveryLog, IsMappedByStockIcpSlam) {
   if (!testing::programExists("icp-slam"))
     GTEST_SKIP() << "icp-slam (Debian package mrpt-apps) is not installed";
   const testing::TempFolder folder;
-  writeStart(path, RawlogForm::kObservationOnly, folder / "a.rawlog", kScansForPrograms);
+  writeStart(path, rawlogs::RawlogForm::kObservationOnly, folder / "a.rawlog", kScansForPrograms);
   const auto run = testing::runCommand("cd '" + folder.path() + "' && env -u DISPLAY icp-slam '" + kSource +
                                        "/configs/mrpt/icp-slam.ini' a.rawlog");
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -313,7 +314,7 @@ TEST_P(EveryLog, IsMappedByStockRbpfSlamInTheActionForm) {
     GTEST_SKIP() << "rbpf-slam (Debian package mrpt-apps) is not installed";
   const testing::TempFolder folder;
   constexpr size_t kScans = 60;
-  writeStart(path, RawlogForm::kActionFrame, folder / "a.rawlog", kScans);
+  writeStart(path, rawlogs::RawlogForm::kActionFrame, folder / "a.rawlog", kScans);
   const auto run = testing::runCommand("cd '" + folder.path() + "' && env -u DISPLAY rbpf-slam '" + kSource +
                                        "/configs/mrpt/rbpf-slam.ini' a.rawlog");
   ASSERT_EQ(run.exit_code, 0) << run.err;

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::logs {
@@ -12,7 +12,7 @@ namespace {
 
 std::string errorFor(const std::string& text) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a.relations", text);
+  files::writeFileAtomically(folder / "a.relations", text);
   try {
     readRelations(folder / "a.relations");
   } catch (const core::InputError& error) {
@@ -23,7 +23,7 @@ std::string errorFor(const std::string& text) {
 
 TEST(Relations, AreReadFromTheBenchmarksLines) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(
+  files::writeFileAtomically(
       folder / "a.relations",
       "976052905.167303 976052911.885496 -0.056990 -0.128430 0.000000 0.000000 0.000000 -1.682210\n"
       "# a comment\n\n"

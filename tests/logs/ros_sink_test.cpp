@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/logs/ros_fixtures.h"

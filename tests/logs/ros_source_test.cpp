@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 #include <mrpt/obs/CObservationComment.h>
 
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/objects/sweep_note.h"
-#include "libslam/robot/mrpt_types.h"
 #include "libslam/testing/error_of.h"
 #include "tests/logs/ros_fixtures.h"
 
@@ -29,7 +29,7 @@ std::shared_ptr<CObservation2DRangeScan> onlyScan(const FakeBag& bag) {
 /// Where the end of each beam is in the robot's plane, by ROS's own rule: beam i at angle_min + i *
 /// increment in the lidar's frame.
 std::vector<core::Pose2> beamEnds(const CObservation2DRangeScan& observation) {
-  const auto scan = robot::fromMrpt(observation);
+  const auto scan = lidar::fromMrpt(observation);
   std::vector<core::Pose2> ends;
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const double angle = scan.first_angle_rad + static_cast<double>(i) * scan.step_rad;
@@ -52,9 +52,9 @@ TEST(RosSource, ReadsRangesByRep117) {
     EXPECT_EQ(scan->getScanRange(i), expected[i]) << i;
     EXPECT_EQ(scan->getScanRangeValidity(i), i == 0 || i == 7) << i;
   }
-  const auto ours = robot::fromMrpt(*scan);
-  EXPECT_EQ(ours.ranges_m[1], robot::kNoReturn);
-  EXPECT_EQ(ours.ranges_m[5], robot::kNoReturn);
+  const auto ours = lidar::fromMrpt(*scan);
+  EXPECT_EQ(ours.ranges_m[1], lidar::kNoReturn);
+  EXPECT_EQ(ours.ranges_m[5], lidar::kNoReturn);
   EXPECT_TRUE(std::isnan(ours.ranges_m[2]));
   EXPECT_TRUE(std::isnan(ours.ranges_m[4]));
 }

@@ -17,8 +17,8 @@ using ::testing::IsEmpty;
 constexpr double kStart_s = 1.7e9, kPeriod_s = 0.1;
 const core::Pose2 kFront{0.2, 0, 0}, kRear{-0.2, 0, core::kPi};
 
-robot::Scan scanAt(double time_s, const core::Pose2& mount, float range_m) {
-  robot::Scan scan;
+lidar::Scan scanAt(double time_s, const core::Pose2& mount, float range_m) {
+  lidar::Scan scan;
   scan.time_s = time_s;
   scan.step_rad = core::degToRad(1);
   scan.first_angle_rad = -core::degToRad(2);
@@ -34,8 +34,8 @@ struct Given {
   double rear_later_s = 0;  ///< its stamps against the front's
   bool is_copy = false;     ///< the rear repeats the front's readings
   bool is_together = true;  ///< in one entry
-  std::optional<robot::Sweep> sweep = {};
-  RawlogForm form = RawlogForm::kActionFrame;
+  std::optional<lidar::Sweep> sweep = {};
+  rawlogs::RawlogForm form = rawlogs::RawlogForm::kActionFrame;
 };
 
 /// Ten steps of 0.1 m, a scan to the front and one to the rear at each.
@@ -68,7 +68,7 @@ std::vector<LogEntry> readAll(LogReader& reader) {
 }
 
 TEST(SeveralLidars, OneMomentIsOneEntryInEitherForm) {
-  for (const auto form : {RawlogForm::kActionFrame, RawlogForm::kObservationOnly}) {
+  for (const auto form : {rawlogs::RawlogForm::kActionFrame, rawlogs::RawlogForm::kObservationOnly}) {
     const testing::TempFolder folder;
     Given given;
     given.form = form;
@@ -159,11 +159,11 @@ TEST(SeveralLidars, NamedOnesWhoseStampsDisagreeAreRefused) {
 }
 
 TEST(SeveralLidars, TheLogStatesWhoseScansAreSwept) {
-  for (const auto form : {RawlogForm::kActionFrame, RawlogForm::kObservationOnly}) {
+  for (const auto form : {rawlogs::RawlogForm::kActionFrame, rawlogs::RawlogForm::kObservationOnly}) {
     const testing::TempFolder folder;
     Given given;
     given.form = form;
-    given.sweep = robot::Sweep{0.05, true, 0.5};
+    given.sweep = lidar::Sweep{0.05, true, 0.5};
     LogReader reader(writeTwo(folder, given), kAllLidars);
     for (const auto& entry : readAll(reader)) {
       ASSERT_TRUE(entry.sweep);
@@ -178,7 +178,7 @@ TEST(SeveralLidars, TheLogStatesWhoseScansAreSwept) {
 TEST(SeveralLidars, ASweepLongerThanThePeriodIsNotBelieved) {
   const testing::TempFolder folder;
   Given given;
-  given.sweep = robot::Sweep{0.3};
+  given.sweep = lidar::Sweep{0.3};
   LogReader reader(writeTwo(folder, given));
   for (const auto& entry : readAll(reader)) EXPECT_FALSE(entry.sweep);
   EXPECT_THAT(reader.remarks(),

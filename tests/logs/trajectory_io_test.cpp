@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::logs {
@@ -31,7 +31,7 @@ template <class Read>
 std::string errorOf(Read read, const std::string& content) {
   const testing::TempFolder folder;
   const std::string path = folder / "t";
-  core::writeFileAtomically(path, content);
+  files::writeFileAtomically(path, content);
   try {
     read(path);
   } catch (const core::InputError& error) {
@@ -45,7 +45,7 @@ std::string written(void (*write)(const core::Trajectory&, const std::string&),
                     const core::Trajectory& trajectory) {
   const testing::TempFolder folder;
   write(trajectory, folder / "t");
-  return core::readTextFile(folder / "t");
+  return files::readTextFile(folder / "t");
 }
 
 TEST(Tum, WritesFixedDecimals) {
@@ -74,10 +74,10 @@ TEST(Tum, GivesBackWhatWasWritten) {
 
 TEST(Tum, ReadsWhatOthersWrite) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "t",
-                            "# comment\r\n\r\n"
-                            "  1e3\t+1 .5 9 0 0 -2 0 \r\n"            // z dropped, quaternion of any length
-                            "1000 1 2 3 0 0.70710678 0 0.70710678");  // pitch of 90 deg: its yaw is lost
+  files::writeFileAtomically(folder / "t",
+                             "# comment\r\n\r\n"
+                             "  1e3\t+1 .5 9 0 0 -2 0 \r\n"            // z dropped, quaternion of any length
+                             "1000 1 2 3 0 0.70710678 0 0.70710678");  // pitch of 90 deg: its yaw is lost
   const auto read = readTum(folder / "t");
   ASSERT_EQ(read.size(), 2U);
   EXPECT_EQ(read[0].time_s, 1000);
@@ -96,7 +96,7 @@ TEST(Tum, DropsRollAndPitchFromTheHeading) {
   char line[200];
   std::snprintf(line, sizeof(line), "1 0 0 0 %.12f %.12f %.12f %.12f\n", cy * cp * sr - sy * sp * cr,
                 cy * sp * cr + sy * cp * sr, sy * cp * cr - cy * sp * sr, cy * cp * cr + sy * sp * sr);
-  core::writeFileAtomically(folder / "t", line);
+  files::writeFileAtomically(folder / "t", line);
   EXPECT_NEAR(readTum(folder / "t")[0].pose.phi, yaw, 1e-11) << "12 decimals";
 }
 
@@ -175,7 +175,7 @@ TEST(Csv, GivesBackWhatWasWritten) {
 
 TEST(Csv, ReadsFilesWithoutTheLineOfNamesAndWithBlanks) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "t", "# remark\r\n1, 2 ,+3,-0.5\r\n");
+  files::writeFileAtomically(folder / "t", "# remark\r\n1, 2 ,+3,-0.5\r\n");
   const auto read = readTrajectory(folder / "t");
   ASSERT_EQ(read.size(), 1U);
   EXPECT_EQ(read[0].pose.y, 3);

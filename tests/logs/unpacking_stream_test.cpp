@@ -1,4 +1,4 @@
-#include "libslam/logs/unpacking_stream.h"
+#include "libslam/rawlogs/unpacking_stream.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,12 +24,12 @@ std::string longText() {
 
 struct Unpacked {
   std::string content;
-  UnpackingStream::Failure failure;
+  rawlogs::UnpackingStream::Failure failure;
 };
 Unpacked unpackAll(const std::string& bytes) {
   static const testing::TempFolder folder;
   writeBytes(bytes, folder / "a");
-  UnpackingStream stream(folder / "a");
+  rawlogs::UnpackingStream stream(folder / "a");
   Unpacked result;
   for (std::string piece; !(piece = stream.take()).empty();) result.content += piece;
   result.failure = stream.failure();
@@ -44,14 +44,14 @@ INSTANTIATE_TEST_SUITE_P(Each, Packed,
 TEST_P(Packed, GivesTheContent) {
   const auto result = unpackAll(GetParam().pack(longText()));
   EXPECT_TRUE(result.content == longText());
-  EXPECT_EQ(result.failure, UnpackingStream::Failure::kNone);
+  EXPECT_EQ(result.failure, rawlogs::UnpackingStream::Failure::kNone);
 }
 
 TEST_P(Packed, SeveralMembersAreOneContent) {
   const auto& pack = GetParam().pack;
   const auto result = unpackAll(pack("one, ") + pack("") + pack(longText()) + pack("three"));
   EXPECT_TRUE(result.content == "one, " + longText() + "three");
-  EXPECT_EQ(result.failure, UnpackingStream::Failure::kNone);
+  EXPECT_EQ(result.failure, rawlogs::UnpackingStream::Failure::kNone);
 }
 
 TEST_P(Packed, TellsACutFromTheEndWhereverItFalls) {
@@ -59,14 +59,14 @@ TEST_P(Packed, TellsACutFromTheEndWhereverItFalls) {
   size_t before = 0;
   for (size_t size = 6; size < packed.size(); ++size) {
     const auto result = unpackAll(packed.substr(0, size));
-    ASSERT_EQ(result.failure, UnpackingStream::Failure::kTruncated) << "cut at " << size;
+    ASSERT_EQ(result.failure, rawlogs::UnpackingStream::Failure::kTruncated) << "cut at " << size;
     ASSERT_EQ(text.compare(0, result.content.size(), result.content), 0);
     ASSERT_GE(result.content.size(), before);
     before = result.content.size();
   }
   // A cut in the second of two members as well.
   EXPECT_EQ(unpackAll(packed + packed.substr(0, packed.size() - 3)).failure,
-            UnpackingStream::Failure::kTruncated);
+            rawlogs::UnpackingStream::Failure::kTruncated);
 }
 
 TEST_P(Packed, TellsFlippedBitsInTheData) {
@@ -76,7 +76,7 @@ TEST_P(Packed, TellsFlippedBitsInTheData) {
     std::string flipped = packed;
     flipped[i] = static_cast<char>(flipped[i] ^ 0x10);
     const auto result = unpackAll(flipped);
-    if (result.failure != UnpackingStream::Failure::kNone) continue;
+    if (result.failure != rawlogs::UnpackingStream::Failure::kNone) continue;
     ASSERT_TRUE(result.content == text) << "byte " << i;
     ++unnoticed;
   }
@@ -87,37 +87,37 @@ TEST_P(Packed, TellsFlippedBitsInTheData) {
 TEST_P(Packed, GarbageBehindTheLastMemberIsDamage) {
   const auto result = unpackAll(GetParam().pack("content") + "garbage, longer than a header");
   EXPECT_EQ(result.content, "content");
-  EXPECT_EQ(result.failure, UnpackingStream::Failure::kDamaged);
+  EXPECT_EQ(result.failure, rawlogs::UnpackingStream::Failure::kDamaged);
 }
 
-TEST(UnpackingStream, TakesPaddingOfZerosBetweenXzStreams) {
+TEST(rawlogs::UnpackingStream, TakesPaddingOfZerosBetweenXzStreams) {
   const std::string padding(8, '\0');
   const auto result = unpackAll(xz("one ") + padding + xz("two") + padding);
   EXPECT_EQ(result.content, "one two");
-  EXPECT_EQ(result.failure, UnpackingStream::Failure::kNone);
+  EXPECT_EQ(result.failure, rawlogs::UnpackingStream::Failure::kNone);
 }
 
-TEST(UnpackingStream, GivesAFileThatIsNotPackedAsItIs) {
+TEST(rawlogs::UnpackingStream, GivesAFileThatIsNotPackedAsItIs) {
   EXPECT_TRUE(unpackAll(longText()).content == longText());
   EXPECT_EQ(unpackAll("").content, "");
   EXPECT_EQ(unpackAll("BZ").content, "BZ");
 }
 
-TEST(UnpackingStream, GivesLinesAcrossItsPieces) {
+TEST(rawlogs::UnpackingStream, GivesLinesAcrossItsPieces) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a", bzip2(longText() + "\n\nno newline"));
-  UnpackingStream stream(folder / "a");
+  files::writeFileAtomically(folder / "a", bzip2(longText() + "\n\nno newline"));
+  rawlogs::UnpackingStream stream(folder / "a");
   std::string joined;
-  UnpackingStream::Line line;
+  rawlogs::UnpackingStream::Line line;
   while (stream.takeLine(line, 100)) joined += std::string(line.text) + (line.is_whole ? "\n" : "!");
   EXPECT_TRUE(joined == longText() + "\n\nno newline!");
 }
 
-TEST(UnpackingStream, CutsALineThatIsTooLong) {
+TEST(rawlogs::UnpackingStream, CutsALineThatIsTooLong) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a", "abcdefg\nhi\n");
-  UnpackingStream stream(folder / "a");
-  UnpackingStream::Line line;
+  files::writeFileAtomically(folder / "a", "abcdefg\nhi\n");
+  rawlogs::UnpackingStream stream(folder / "a");
+  rawlogs::UnpackingStream::Line line;
   std::vector<std::pair<std::string, bool>> lines;
   while (stream.takeLine(line, 3)) lines.emplace_back(line.text, line.is_whole);
   EXPECT_THAT(lines, ::testing::ElementsAre(std::make_pair("abc", false), std::make_pair("def", false),

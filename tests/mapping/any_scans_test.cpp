@@ -37,7 +37,7 @@ TEST(AnyScans, LeaveTheGraphFinite) {
     SCOPED_TRACE(drive);
     // A leap of kilometres as well as one of metres: loops are searched for where the robot comes back.
     RandomSteps steps(static_cast<std::uint64_t>(drive), 400, drive % 2 == 0 ? 1e6 : 3);
-    graph::GraphOptions options;
+    keyframes::GraphOptions options;
     options.refine_rounds = drive % 4 == 0 ? 1 : 0;
     graph::GraphSlam graph(options);
     for (int i = 0; i < kStepsPerDrive; ++i) {

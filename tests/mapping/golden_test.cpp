@@ -6,8 +6,8 @@
 #include <cstring>
 #include <map>
 
-#include "libslam/core/files.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/graph/drawn_drives.h"
 
 namespace slam::mapping {
@@ -45,7 +45,7 @@ std::string fingerprint(const std::string& name, const Drive& log, bool gaps) {
              std::to_string(entry.other_scan);
     append(bytes, &entry.value, sizeof(entry.value));
   }
-  return core::sha256(bytes).substr(0, 16);
+  return resources::sha256(bytes).substr(0, 16);
 }
 
 std::vector<core::Pose2> everyOther(const std::vector<core::Pose2>& path, size_t most) {

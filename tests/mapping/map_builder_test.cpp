@@ -14,7 +14,7 @@
 
 #include "libslam/builders/mrpt_compat.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
 
@@ -40,7 +40,7 @@ core::Trajectory runDrive(MapBuilder& method, const test::Drive& drive) {
 
 /// A run that is the same to the last bit.
 std::string fingerprint(const core::Trajectory& estimate) {
-  return core::sha256(
+  return resources::sha256(
       {reinterpret_cast<const char*>(estimate.data()), estimate.size() * sizeof(estimate[0])});
 }
 
@@ -78,7 +78,8 @@ TEST_P(EveryMethod, GivesTheSameBytesForTheSameSeedWhateverElseUsesTheGenerator)
 
   EXPECT_EQ(fingerprint(first_path), fingerprint(second_path));
   for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap"})
-    EXPECT_EQ(core::fileSha256(first_folder / file), core::fileSha256(second_folder / file)) << file;
+    EXPECT_EQ(resources::fileSha256(first_folder / file), resources::fileSha256(second_folder / file))
+        << file;
 }
 
 TEST_P(EveryMethod, PrintsNothing) {
@@ -130,7 +131,7 @@ TEST(MapBuilder, MatchersBeatTheirOdometryInTheSmallRoom) {
 TEST(MapBuilder, WheelsFillInWhereTheScansLeaveTheMotionOpenButNotForArgmax) {
   auto drive = test::driveThroughRoom(6);
   for (auto& entry : drive.entries) {
-    for (auto& range_m : entry.scan.ranges_m) range_m = robot::kNoReturn;
+    for (auto& range_m : entry.scan.ranges_m) range_m = lidar::kNoReturn;
     entry.T_previous_robot = {0.1, 0, 0};
   }
   for (const std::string name : {"naive_correlation", "naive_flow"}) {
@@ -150,7 +151,7 @@ TEST(MapBuilder, WheelOdometryIsUsedFromTheFirstStepOfAnOldLog) {
   core::Pose2 pose;
   for (auto& entry : drive.entries) {
     entry.scan.time_s -= 1.5e9;  // 1973
-    entry.scan.ranges_m.assign(entry.scan.ranges_m.size(), robot::kNoReturn);
+    entry.scan.ranges_m.assign(entry.scan.ranges_m.size(), lidar::kNoReturn);
     T_odom_robot = T_odom_robot * entry.T_previous_robot;
     pose = processScan(method, entry.scan, entry.T_previous_robot, true);
   }

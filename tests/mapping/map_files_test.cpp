@@ -12,8 +12,8 @@
 #include <string>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/memory_guard.h"
+#include "libslam/files/files.h"
+#include "libslam/files/memory_guard.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/testing/temp_folder.h"
@@ -54,21 +54,21 @@ std::string errorOf(Call call) {
 }
 
 TEST(DamagedMapFiles, AGridOfImpossibleSizeIsOneLine) {
-  if (!core::MemoryGuard::isKept()) GTEST_SKIP() << "this build has an allocator of its own";
+  if (!files::MemoryGuard::isKept()) GTEST_SKIP() << "this build has an allocator of its own";
   const testing::TempFolder folder;
   const mrpt::maps::COccupancyGridMap2D grid(0, 6.15F, 0, 3.85F, 0.05F);
   const std::string path = folder / "map.gridmap", name = "COccupancyGridMap2D", bytes = bytesOf(grid);
-  core::writeFileAtomically(path, bytes);
+  files::writeFileAtomically(path, bytes);
   EXPECT_EQ(readGridMap(path).columns, 123);
   const std::string wide = damaged(bytes, name, bytesOfNumber(grid.getXMax()), bytesOfNumber(2500.0F));
   const std::string vast = damaged(wide, name, bytesOfNumber(grid.getYMax()), bytesOfNumber(2500.0F));
-  core::writeFileAtomically(path, vast);
+  files::writeFileAtomically(path, vast);
   EXPECT_EQ(errorOf([&] { readGridMap(path); }),
             path + ": found a grid of impossible size, expected an MRPT occupancy grid");
 }
 
 TEST(DamagedMapFiles, KeyFramesOfImpossibleNumberAreOneLine) {
-  if (!core::MemoryGuard::isKept()) GTEST_SKIP() << "this build has an allocator of its own";
+  if (!files::MemoryGuard::isKept()) GTEST_SKIP() << "this build has an allocator of its own";
   const testing::TempFolder folder;
   const std::string path = folder / "map.simplemap";
   std::vector<KeyFrame> key_frames;
@@ -76,7 +76,7 @@ TEST(DamagedMapFiles, KeyFramesOfImpossibleNumberAreOneLine) {
   writeKeyFrames(key_frames, path);
   mrpt::maps::CSimpleMap map;
   ASSERT_TRUE(map.loadFromFile(path));
-  core::writeFileAtomically(
+  files::writeFileAtomically(
       path, damaged(bytesOf(map), "CSimpleMap", bytesOfNumber(77U), bytesOfNumber(100'000'000U)));
   const auto config = loadMethodConfig(std::string(RASTERSLAM_SOURCE_DIR) + "/configs/methods", "graph");
   auto method = makeMapBuilder(config, "graph", 1);

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/mapping/map_builder.h"
 
 namespace slam::mapping {
@@ -16,7 +16,7 @@ const std::string kMethods = std::string(RASTERSLAM_SOURCE_DIR) + "/configs/meth
 
 std::string inputError(const std::string& text) {
   try {
-    readMethodConfig(core::IniFile::parse(text, "m.ini"));
+    readMethodConfig(files::IniFile::parse(text, "m.ini"));
   } catch (const core::InputError& error) {
     return error.what();
   }
@@ -50,9 +50,9 @@ TEST(MethodConfig, TheCommittedMrptFilesAreWhatTheMethodsGenerate) {
   for (const auto& [file, name] : files) {
     const std::string generated = toMrptConfig(loadMethodConfig(kMethods, name), name);
     const std::string committed = std::string(RASTERSLAM_SOURCE_DIR) + "/configs/mrpt/" + file;
-    if (std::filesystem::exists(committed) && core::readTextFile(committed) == generated) continue;
+    if (std::filesystem::exists(committed) && files::readTextFile(committed) == generated) continue;
     std::filesystem::create_directories(fresh_folder);
-    core::writeFileAtomically(fresh_folder + "/" + file, generated);
+    files::writeFileAtomically(fresh_folder + "/" + file, generated);
     ADD_FAILURE() << committed << " is out of date: cp " << fresh_folder << "/" << file << " " << committed;
   }
 }

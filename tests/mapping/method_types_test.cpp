@@ -11,7 +11,7 @@
 #include <set>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
@@ -29,8 +29,8 @@ using ::testing::Not;
 
 constexpr int kSteps = 8;
 
-core::IniFile configOf(const std::string& type, const std::string& more = "") {
-  return core::IniFile::parse("[method]\ntype = " + type + "\n" + more, "m.ini");
+files::IniFile configOf(const std::string& type, const std::string& more = "") {
+  return files::IniFile::parse("[method]\ntype = " + type + "\n" + more, "m.ini");
 }
 
 std::string errorOf(const std::string& type, const std::string& more) {
@@ -107,7 +107,7 @@ TEST_P(EveryType, DoesTheSameTwice) {
   for (const auto& file : std::filesystem::directory_iterator(first_folder.path())) {
     const std::string name = file.path().filename().string();
     files.insert(name);
-    EXPECT_EQ(core::readTextFile(first_folder / name), core::readTextFile(second_folder / name)) << name;
+    EXPECT_EQ(files::readTextFile(first_folder / name), files::readTextFile(second_folder / name)) << name;
   }
   for (const char* name : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap"})
     EXPECT_TRUE(files.count(name)) << name;

@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "libslam/core/random.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::mapping::test {
 
 /// What comes to an estimator at one step.
 struct RandomStep {
-  robot::Scan scan;
+  lidar::Scan scan;
   core::Pose2 T_previous_robot;
   bool has_odometry = true;
 };
@@ -61,7 +61,7 @@ class RandomSteps {
       case 1:
         return 0.2 * most / std::cos(angle);  // one wall ahead
       case 2:
-        return robot::kNoReturn;  // nothing at all
+        return lidar::kNoReturn;  // nothing at all
       case 3:
         return chance_.uniform(0, most);  // noise
       case 4:
@@ -69,7 +69,7 @@ class RandomSteps {
       case 5:
         return 1e-3;  // covered
       case 6:
-        return robot::kLostReading;
+        return lidar::kLostReading;
       default:
         return 0.2 * most / std::max(std::abs(std::sin(angle)), std::abs(std::cos(angle)));  // a room
     }
@@ -79,9 +79,9 @@ class RandomSteps {
     const bool is_spoilt = chance_.chance(0.3);
     for (size_t i = 0; i < lidar_.ranges_m.size(); ++i) {
       double range_m = reading(i) + noise_m_ * chance_.normal();
-      if (!(range_m > 0 && range_m < lidar_.max_range_m) && !std::isnan(range_m)) range_m = robot::kNoReturn;
+      if (!(range_m > 0 && range_m < lidar_.max_range_m) && !std::isnan(range_m)) range_m = lidar::kNoReturn;
       if (is_spoilt && chance_.chance(0.2))
-        range_m = chance_.chance(0.5) ? robot::kLostReading : (chance_.chance(0.5) ? 0 : -1);
+        range_m = chance_.chance(0.5) ? lidar::kLostReading : (chance_.chance(0.5) ? 0 : -1);
       lidar_.ranges_m[i] = static_cast<float>(range_m);
     }
   }
@@ -100,7 +100,7 @@ class RandomSteps {
   }
 
   core::RandomStream chance_;
-  robot::Scan lidar_;
+  lidar::Scan lidar_;
   double leap_m_, noise_m_ = 0;
   int kind_ = 0;
 };

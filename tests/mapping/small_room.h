@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/robot/scan.h"
 
 namespace slam::mapping::test {
 
@@ -42,9 +42,9 @@ inline double castRay(const std::vector<Wall>& walls, const core::Pose2& T_room_
 }
 
 /// An exact scan of `beams` beams over `fov_deg`, first to last.
-inline robot::Scan scanRoom(const core::Pose2& T_room_robot, double time_s, int beams = 181,
+inline lidar::Scan scanRoom(const core::Pose2& T_room_robot, double time_s, int beams = 181,
                             double fov_deg = 180) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.time_s = time_s;
   scan.step_rad = core::degToRad(fov_deg) / (beams - 1);
   scan.first_angle_rad = -core::degToRad(fov_deg) / 2;

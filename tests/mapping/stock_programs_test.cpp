@@ -15,7 +15,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/testing/temp_folder.h"
@@ -28,7 +28,7 @@ const std::string kSource = RASTERSLAM_SOURCE_DIR, kBinary = RASTERSLAM_BINARY_D
 
 std::string writeLog(const testing::TempFolder& folder, const test::Drive& drive) {
   const std::string path = folder / "drive.rawlog";
-  logs::LogWriter writer(path, logs::RawlogForm::kActionFrame);
+  logs::LogWriter writer(path, rawlogs::RawlogForm::kActionFrame);
   for (const auto& entry : drive.entries) writer.write(entry);
   writer.close();
   return path;
@@ -40,7 +40,7 @@ testing::CommandResult runIn(const testing::TempFolder& folder, const std::strin
 
 /// The numbers of the last line of a file that holds numbers.
 std::vector<double> lastLine(const std::string& path) {
-  std::istringstream lines(core::readTextFile(path));
+  std::istringstream lines(files::readTextFile(path));
   std::string line, last;
   while (std::getline(lines, line))
     if (line.find_first_of("0123456789") != std::string::npos) last = line;

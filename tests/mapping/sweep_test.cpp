@@ -32,13 +32,13 @@ test::Drive sweptDrive(double share = 1) {
 struct Told {
   double sweep_s = 0;
   bool deskew = true, has_odometry = true;
-  std::optional<robot::Sweep> by_the_log = {};
+  std::optional<lidar::Sweep> by_the_log = {};
 };
 
 double worstHeading(const Told& told, const test::Drive& drive, SweptScans* swept = nullptr) {
-  core::IniFile config;
+  files::IniFile config;
   config.set("method", "type", "graph", "test");
-  config.set("method", "sweep_s", core::formatNumber(told.sweep_s), "test");
+  config.set("method", "sweep_s", files::formatNumber(told.sweep_s), "test");
   config.set("method", "deskew", told.deskew ? "true" : "false", "test");
   auto method = makeMapBuilder(config, "graph", 1);
   double worst_rad = 0;
@@ -63,7 +63,7 @@ TEST(Sweep, ScansAreDeskewedBeforeTheyAreMatched) {
 TEST(Sweep, WhatTheLogStatesIsEnough) {
   const auto drive = sweptDrive();
   Told told;
-  told.by_the_log = robot::Sweep{0.2};
+  told.by_the_log = lidar::Sweep{0.2};
   SweptScans swept;
   EXPECT_EQ(worstHeading(told, drive, &swept), worstHeading({0.2}, drive));
   EXPECT_EQ(swept.swept, drive.entries.size() - 1);
@@ -73,7 +73,7 @@ TEST(Sweep, WhatTheLogStatesIsEnough) {
 TEST(Sweep, IsLeftWhereNobodyWantsItSetRight) {
   const auto drive = sweptDrive();
   Told told;
-  told.by_the_log = robot::Sweep{0.2};
+  told.by_the_log = lidar::Sweep{0.2};
   told.deskew = false;
   SweptScans swept;
   EXPECT_EQ(worstHeading(told, drive, &swept), worstHeading({}, drive));
@@ -86,7 +86,7 @@ TEST(Sweep, WithoutOdometryTheScansStayAndAreCounted) {
   Told told;
   told.has_odometry = false;
   const double as_they_are = worstHeading(told, drive);
-  told.by_the_log = robot::Sweep{0.2};
+  told.by_the_log = lidar::Sweep{0.2};
   SweptScans swept;
   // A motion that is itself from skewed scans would double the error.
   EXPECT_EQ(worstHeading(told, drive, &swept), as_they_are);
@@ -96,12 +96,12 @@ TEST(Sweep, WithoutOdometryTheScansStayAndAreCounted) {
 
 /// How far a scan of sweptDrive() is from what the lidar would have seen at its stamp: the median over the
 /// beams.
-double skewOf(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+double skewOf(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   const auto walls = test::smallRoom();
   const core::Pose2 T_room_robot = core::Pose2{0, 0, -0.2} * T_map_robot;
   std::vector<double> off_m;
   for (size_t beam = 0; beam < scan.ranges_m.size(); ++beam)
-    if (robot::isReturn(scan.ranges_m[beam]))
+    if (lidar::isReturn(scan.ranges_m[beam]))
       off_m.push_back(std::abs(scan.ranges_m[beam] - test::castRay(walls, T_room_robot, scan.angle(beam))));
   std::nth_element(off_m.begin(), off_m.begin() + static_cast<long>(off_m.size() / 2), off_m.end());
   return off_m[off_m.size() / 2];
@@ -120,7 +120,7 @@ double meanSkew(double wrong_rad) {
     core::Pose2 T_previous_robot = entry.T_previous_robot;
     T_previous_robot.phi += i % 2 ? wrong_rad : -wrong_rad;
     const auto deskewed = deskewer.deskewed(history, entry.scan, {}, T_previous_robot, true);
-    const robot::Scan& scan = deskewed ? *deskewed : entry.scan;
+    const lidar::Scan& scan = deskewed ? *deskewed : entry.scan;
     if (i > 0) sum_m += skewOf(scan, drive.truth[i]);
     history.note(scan, entry.T_previous_robot, drive.truth[i]);
     history.last_had_odometry = true;

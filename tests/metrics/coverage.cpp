@@ -7,7 +7,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 #include "tests/world/drawn_plan.h"
 
 namespace slam::metrics {
@@ -126,7 +126,7 @@ TEST(ExplorableArea, EqualsItsDefinitionByBruteForce) {
         for (int ray = 0; ray < kSightRays && !expected && plan.at(x, y) == world::Cell::kFree; ++ray) {
           const double angle = 2 * core::kPi * ray / kSightRays;
           const auto c = centre(x, y);
-          const double end_m = std::min(range_m, world::castRay(plan, c, angle, 0));
+          const double end_m = std::min(range_m, rays::castRay(plan, c, angle, 0));
           for (double r = 0; r < end_m; r += 0.002) {
             const int column = static_cast<int>(std::floor((c.x + r * std::cos(angle)) / 0.5));
             const int row = static_cast<int>(std::floor((c.y + r * std::sin(angle)) / 0.5));

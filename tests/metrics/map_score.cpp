@@ -8,7 +8,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 #include "tests/metrics/drawn.h"
 
 namespace slam::metrics {
@@ -136,7 +136,7 @@ TEST(SeenCells, EndWhereTheReferenceRayEnds) {
   for (int i = 0; i < 3000; ++i) {
     const core::Point2 p = plan.T_world_plan * core::Point2{random.uniform(0, 2.65), random.uniform(0, 1.85)};
     const double angle = random.uniform(-4, 4);
-    const double range_m = world::castRay(plan, p, angle, 1.5);
+    const double range_m = rays::castRay(plan, p, angle, 1.5);
     const auto seen = seenCells(plan, {{0, {p.x, p.y, angle}}}, {}, 0, 0.1, 1, 1.5);
     if (range_m == 0) continue;  // in a wall
     const auto wall = std::find(seen.wall.begin(), seen.wall.end(), true);

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::metrics {
@@ -368,7 +368,7 @@ TEST(TrajectoryError, OfTheRingOfficesOdometryIsWhatItsMakerPublished) {
         testing::runCommand("xz -dc '" + base +
                             ".clf.xz' | awk '$1 == \"ROBOTLASER1\" { i = 10 + $9; j = i + $i + 1; "
                             "print $(NF - 2), $j, $(j + 1), $(j + 2) }'");
-    const auto truth = readPoses(core::readTextFile(base + ".truth.tum"), true);
+    const auto truth = readPoses(files::readTextFile(base + ".truth.tum"), true);
     const auto e = trajectoryError(truth, readPoses(odometry.out, false));
     EXPECT_EQ(e.position_m.count, 2082U);
     EXPECT_EQ(e.unmatched, 0U);

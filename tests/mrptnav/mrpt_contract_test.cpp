@@ -11,11 +11,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/gridmap/mrpt_grid.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/mrptnav/mrpt_explorer.h"
 #include "libslam/mrptnav/mrpt_navigator.h"
 #include "libslam/mrptnav/reactive_navigator.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/robot/mrpt_types.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/plan.h"
 
@@ -43,8 +43,8 @@ world::Plan twoRooms() {
   return plan;
 }
 
-robot::LidarOptions lidar() {
-  robot::LidarOptions options;
+lidar::LidarOptions lidar() {
+  lidar::LidarOptions options;
   options.fov_rad = core::degToRad(270);
   options.beams = 541;
   options.max_range_m = 8;
@@ -75,12 +75,12 @@ class Drive {
     take(simulator_.step(command));
     driven_m += core::distance(before, simulator_.truth());
   }
-  CPose2D pose() const { return CPose2D(robot::toMrpt(simulator_.truth())); }
+  CPose2D pose() const { return CPose2D(lidar::toMrpt(simulator_.truth())); }
   const core::Pose2& ourPose() const { return simulator_.truth(); }
   const COccupancyGridMap2D& grid() const { return grid_; }
   const mrpt::obs::CObservation2DRangeScan& scan() const { return *scan_; }
   /// What the adapters see of the scan: in MRPT's single precision.
-  robot::Scan ourScan() const { return robot::fromMrpt(*scan_); }
+  lidar::Scan ourScan() const { return lidar::fromMrpt(*scan_); }
   bool collided() const { return collided_; }
   size_t collisions() const { return simulator_.collisions().size(); }
 
@@ -88,7 +88,7 @@ class Drive {
 
  private:
   void take(const sim::Sensed& sensed) {
-    scan_ = robot::toMrpt(sensed.scan);
+    scan_ = lidar::toMrpt(sensed.scan);
     collided_ = sensed.collided;
     grid_.insertObservation(*scan_, mrpt::poses::CPose3D(pose()));
   }
@@ -112,7 +112,7 @@ class EveryStrategy : public ::testing::TestWithParam<std::string> {};
 TEST_P(EveryStrategy, DrivesAsItsDriverDoesAndExploresWithoutACollision) {
   const auto options = optionsOf(GetParam());
   MrptExplorer explorer(options);
-  navigate::Driver driver(navigate::makeStrategy(options.strategy, {options.seed, "strategy"}),
+  navigate::Driver driver(strategies::makeStrategy(options.strategy, {options.seed, "strategy"}),
                           options.strategy, options.robot, kPeriod_s, {options.seed, "driver"});
   Drive drive;
   for (int step = 0; step < 150 && !driver.finished(); ++step) {
@@ -135,7 +135,7 @@ TEST_P(EveryStrategy, DrivesAsItsDriverDoesAndExploresWithoutACollision) {
 
 TEST_P(EveryStrategy, AnswersWithAPathOfPosesOnFreeGround) {
   MrptStrategy strategy(optionsOf(GetParam()));
-  EXPECT_EQ(strategy.needsMap(), navigate::strategyNeedsMap(GetParam()));
+  EXPECT_EQ(strategy.needsMap(), strategies::strategyNeedsMap(GetParam()));
   Drive drive;
   if (strategy.needsMap()) {
     EXPECT_THROW(strategy.decide(drive.scan(), drive.pose()), core::ContractError);
@@ -153,7 +153,7 @@ TEST_P(EveryStrategy, AnswersWithAPathOfPosesOnFreeGround) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Strategies, EveryStrategy, ::testing::ValuesIn(navigate::strategyNames()),
+INSTANTIATE_TEST_SUITE_P(Strategies, EveryStrategy, ::testing::ValuesIn(strategies::strategyNames()),
                          [](const auto& test) { return test.param; });
 
 class EveryNavigator : public ::testing::TestWithParam<std::string> {};
@@ -205,7 +205,7 @@ TEST(MrptExplorer, SaysWhichStrategiesThereAre) {
 }
 
 TEST(ToMrptPath, OfATurnAndADriveIsTheTurnedRobotAndTheEnd) {
-  navigate::Decision decision;
+  choices::Decision decision;
   decision.turn_rad = core::kPi / 2;
   decision.distance_m = 2;
   const auto path = toMrpt(decision, {1, 1, 0});
@@ -218,7 +218,7 @@ TEST(ToMrptPath, OfATurnAndADriveIsTheTurnedRobotAndTheEnd) {
 }
 
 TEST(ToMrptPath, OfWaypointsLooksAlongTheWayAndAtTheEndAtWhatIsToBeSeen) {
-  navigate::Decision decision;
+  choices::Decision decision;
   decision.path = {{1, 0}, {1, 2}, {1, 2}};
   decision.look_at = core::Point2{0, 2};
   const auto path = toMrpt(decision, {});

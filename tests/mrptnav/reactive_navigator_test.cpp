@@ -49,7 +49,7 @@ Drive drive(const Plan& plan, const core::Pose2& start, const core::Point2& p_wo
             double look_ahead_m = 2, double time_limit_s = 120) {
   ReactiveOptions reactive;
   reactive.look_ahead_m = look_ahead_m;  // MRPT's preparations cost its square
-  robot::LidarOptions lidar;
+  lidar::LidarOptions lidar;
   lidar.fov_rad = core::degToRad(270);
   lidar.max_range_m = 12;
   goals::NavigateOptions limits;

@@ -8,7 +8,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 
 namespace slam::mrptworld {
 namespace {
@@ -56,7 +56,7 @@ TEST(GridCaster, GivesTheExactRangesOfThePlan) {
   for (size_t i = 0; i < 271; ++i) {
     const double angle_rad =
         sensor.phi() - scan.aperture / 2.0 + static_cast<double>(i) * scan.aperture / 270.0;
-    const double expected = world::castRay(caster.plan(), {sensor.x(), sensor.y()}, angle_rad, 0);
+    const double expected = rays::castRay(caster.plan(), {sensor.x(), sensor.y()}, angle_rad, 0);
     ASSERT_EQ(scan.getScanRangeValidity(i), std::isfinite(expected)) << i;
     if (!std::isfinite(expected)) continue;
     EXPECT_NEAR(scan.getScanRange(i), expected, 1e-6) << i;

@@ -41,7 +41,15 @@ prepare() {
 
 # Whose tests try a room that has no program of its own.
 tests_of() {
-  case $1 in bags | objects) echo logs ;; sweep) echo apps ;; methods) echo mapping ;; goals) echo navigate ;; *) echo "$1" ;; esac
+  case $1 in
+    bags | objects | rawlogs) echo logs ;;
+    sweep) echo apps ;;
+    methods) echo mapping ;;
+    goals) echo navigate ;;
+    drafting) echo check ;;
+    keyframes | loops) echo graph ;;
+    *) echo "$1" ;;
+  esac
 }
 filter_of() { case $1 in sweep) echo 'Bench*' ;; *) echo '*' ;; esac; }
 builds() { cmake --build "$build" -j "$jobs" --target "test_$(tests_of "$1")" > "$work/build.txt" 2>&1; }

@@ -16,7 +16,7 @@ namespace {
 using namespace scenes;
 
 /// The guard's distance and the clearance: how far from walls the boundary of the grown obstacles runs.
-double followRadius(const robot::LidarOptions& lidar) {
+double followRadius(const lidar::LidarOptions& lidar) {
   const goals::NavigateOptions options;
   return robot::circumscribedRadius(robot::RobotOptions()) + 0.02 + lidar.sigma_m + options.clearance_m;
 }

@@ -5,8 +5,8 @@
 #include "libslam/buildings/building.h"
 #include "libslam/core/error.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/navigate/strategy.h"
-#include "libslam/paths/free_ways.h"
+#include "libslam/safety/free_ways.h"
+#include "libslam/strategies/strategy.h"
 #include "tests/navigate/scenes.h"
 
 namespace slam::navigate {
@@ -16,22 +16,22 @@ using core::degToRad;
 using world::Cell;
 
 /// Gives out a list of decisions, then says that it has finished.
-class Script : public Strategy {
+class Script : public strategies::Strategy {
  public:
-  explicit Script(std::vector<Decision> decisions) : decisions_(std::move(decisions)) {}
-  Decision decide(const robot::Scan&, const core::Pose2&) override {
-    Decision decision;
+  explicit Script(std::vector<choices::Decision> decisions) : decisions_(std::move(decisions)) {}
+  choices::Decision decide(const lidar::Scan&, const core::Pose2&) override {
+    choices::Decision decision;
     decision.finished = next_ == decisions_.size();
     return decision.finished ? decision : decisions_[next_++];
   }
 
  private:
-  std::vector<Decision> decisions_;
+  std::vector<choices::Decision> decisions_;
   size_t next_ = 0;
 };
 
-Decision turnAndDrive(double turn_rad, double distance_m) {
-  Decision decision;
+choices::Decision turnAndDrive(double turn_rad, double distance_m) {
+  choices::Decision decision;
   decision.turn_rad = turn_rad, decision.distance_m = distance_m;
   return decision;
 }
@@ -52,8 +52,8 @@ struct Drive {
 };
 
 /// Carries out the script in the plan, for at most limit_s; perfect odometry, checks every command's limits.
-Drive carryOut(const world::Plan& plan, const core::Pose2& start, std::vector<Decision> decisions,
-               double limit_s = 120, const StrategyOptions& options = {}) {
+Drive carryOut(const world::Plan& plan, const core::Pose2& start, std::vector<choices::Decision> decisions,
+               double limit_s = 120, const strategies::StrategyOptions& options = {}) {
   const robot::RobotOptions robot;
   sim::Simulator simulator(plan, robot, scenes::circleLidar(), perfectOdometry(), start, 1, 0.0);
   Driver driver(std::make_unique<Script>(std::move(decisions)), options, robot, 0.2, {1, "driver"});
@@ -81,7 +81,7 @@ TEST(Driver, TurnsAndDrivesAsDecided) {
 
 TEST(Driver, StopsEarlyBeforeAWallAndDecidesAgain) {
   for (const double clearance_m : {0.45, 1.0}) {
-    StrategyOptions options;
+    strategies::StrategyOptions options;
     options.stop_clearance_m = clearance_m;
     const auto drive = carryOut(scenes::room(6, 6), {3, 3, 0},
                                 {turnAndDrive(0, 50), turnAndDrive(core::kPi / 2, 0)}, 120, options);
@@ -111,16 +111,16 @@ TEST(Driver, LeavesAPocketWhereEveryWayIsBlocked) {
   scenes::fill(plan, 0, 0, 1.2, 4);
   scenes::fill(plan, 0.3, 1.6, 1.2, 2.4, Cell::kFree);  // 0.9 m deep, 0.8 m wide
   // Always wants to go to the pocket's end, which CanMove forbids.
-  std::vector<Decision> wishes(200, turnAndDrive(core::kPi, 5));
+  std::vector<choices::Decision> wishes(200, turnAndDrive(core::kPi, 5));
   const auto drive = carryOut(plan, {0.72, 2, 0}, wishes, 60);
   EXPECT_EQ(drive.collisions, 0u);
   EXPECT_GT(drive.end.x, 1.2);
 }
 
 TEST(Driver, BacksOffFromWhatTheLidarDoesNotSee) {
-  Driver driver(std::make_unique<Script>(std::vector<Decision>(9, turnAndDrive(0, 5))), {}, {}, 0.2,
+  Driver driver(std::make_unique<Script>(std::vector<choices::Decision>(9, turnAndDrive(0, 5))), {}, {}, 0.2,
                 {1, "driver"});
-  robot::Scan scan;  // nothing near, all round
+  lidar::Scan scan;  // nothing near, all round
   scan.first_angle_rad = -core::kPi;
   scan.step_rad = degToRad(1);
   scan.max_range_m = 10;
@@ -130,7 +130,7 @@ TEST(Driver, BacksOffFromWhatTheLidarDoesNotSee) {
 }
 
 TEST(Driver, StandsStillWhenTheStrategyHasFinished) {
-  Driver driver(std::make_unique<Script>(std::vector<Decision>{}), {}, {}, 0.2, {1, "driver"});
+  Driver driver(std::make_unique<Script>(std::vector<choices::Decision>{}), {}, {}, 0.2, {1, "driver"});
   const auto command = driver.next({}, {}, false);
   EXPECT_TRUE(driver.finished());
   EXPECT_EQ(command.speed_mps, 0);
@@ -140,19 +140,19 @@ TEST(Driver, StandsStillWhenTheStrategyHasFinished) {
 
 TEST(Driver, RefusesToWorkWithoutStrategyOrPeriod) {
   EXPECT_THROW(Driver(nullptr, {}, {}, 0.2, {1, "driver"}), core::ContractError);
-  EXPECT_THROW(Driver(makeStrategy({}, {1, "s"}), {}, {}, 0, {1, "driver"}), core::ContractError);
+  EXPECT_THROW(Driver(strategies::makeStrategy({}, {1, "s"}), {}, {}, 0, {1, "driver"}), core::ContractError);
 }
 
 TEST(Driver, SurvivesALidarThatLosesEverything) {
-  Driver driver(makeStrategy({}, {1, "s"}), {}, {}, 0.2, {1, "driver"});
-  robot::Scan scan;
+  Driver driver(strategies::makeStrategy({}, {1, "s"}), {}, {}, 0.2, {1, "driver"});
+  lidar::Scan scan;
   scan.step_rad = degToRad(1);
-  scan.ranges_m.assign(360, robot::kLostReading);
+  scan.ranges_m.assign(360, lidar::kLostReading);
   for (int i = 0; i < 100; ++i) ASSERT_EQ(driver.next(scan, {}, false).speed_mps, 0);  // never blind
 }
 
-StrategyOptions named(const std::string& name) {
-  StrategyOptions options;
+strategies::StrategyOptions named(const std::string& name) {
+  strategies::StrategyOptions options;
   options.name = name;
   return options;
 }
@@ -250,11 +250,11 @@ TEST(Exploration, FollowingTheWallGoesRoundTheRoomAtItsDistance) {
 }
 
 /// Wants to go along the same path of the map until it has arrived.
-class MapScript : public Strategy {
+class MapScript : public strategies::Strategy {
  public:
   explicit MapScript(std::vector<core::Point2> path) : path_(std::move(path)) {}
-  Decision decide(const robot::Scan&, const core::Pose2&) override {
-    Decision decision;
+  choices::Decision decide(const lidar::Scan&, const core::Pose2&) override {
+    choices::Decision decision;
     decision.finished = arrivals > 0;
     decision.path = path_;
     decision.goal = path_.back();
@@ -263,8 +263,8 @@ class MapScript : public Strategy {
   }
   bool needsMap() const override { return true; }
   bool drivesByDisc() const override { return true; }
-  bool isStillGood(const Decision&, const core::Pose2&, size_t) override { return true; }
-  void tellOutcome(const Decision&, bool reached) override { ++(reached ? arrivals : failures); }
+  bool isStillGood(const choices::Decision&, const core::Pose2&, size_t) override { return true; }
+  void tellOutcome(const choices::Decision&, bool reached) override { ++(reached ? arrivals : failures); }
   int arrivals = 0, failures = 0;
 
  private:
@@ -272,11 +272,11 @@ class MapScript : public Strategy {
 };
 
 TEST(Driver, AsksForAMapOnlyWhereTheStrategyNeedsOne) {
-  const Driver original(makeStrategy({}, {1, "s"}), {}, {}, 0.2, {1, "driver"});
+  const Driver original(strategies::makeStrategy({}, {1, "s"}), {}, {}, 0.2, {1, "driver"});
   EXPECT_FALSE(original.wantsMap());
-  for (const auto& name : strategyNames())
-    if (strategyNeedsMap(name)) {
-      Driver driver(makeStrategy(named(name), {1, "s"}), {}, {}, 0.2, {1, "driver"});
+  for (const auto& name : strategies::strategyNames())
+    if (strategies::strategyNeedsMap(name)) {
+      Driver driver(strategies::makeStrategy(named(name), {1, "s"}), {}, {}, 0.2, {1, "driver"});
       EXPECT_TRUE(driver.wantsMap()) << name;
       EXPECT_THROW(driver.next({}, {}, false), core::ContractError) << name;
     }

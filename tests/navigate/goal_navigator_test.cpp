@@ -24,8 +24,8 @@ class EveryNavigator : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Methods, EveryNavigator, ::testing::ValuesIn(goals::goalNavigatorNames()),
                          [](const auto& method) { return method.param; });
 
-robot::Scan emptyScan(float range_m) {
-  robot::Scan scan;
+lidar::Scan emptyScan(float range_m) {
+  lidar::Scan scan;
   scan.first_angle_rad = -core::kPi;
   scan.step_rad = core::kPi / 180;
   scan.max_range_m = 6;
@@ -60,7 +60,7 @@ TEST_P(EveryNavigator, DrivesWhereNothingReturns) {
   core::Pose2 T_odom_robot;
   goals::GoalStep step;
   for (int i = 0; i < 200 && step.status == goals::GoalStatus::kMoving; ++i) {
-    step = navigator->next(emptyScan(robot::kNoReturn), T_odom_robot, false);
+    step = navigator->next(emptyScan(lidar::kNoReturn), T_odom_robot, false);
     T_odom_robot = T_odom_robot * robot::driveMotion(step.command);
   }
   EXPECT_EQ(step.status, goals::GoalStatus::kReached);
@@ -70,7 +70,7 @@ TEST_P(EveryNavigator, GivesUpWithoutAnyValidReading) {
   const auto navigator = navigatorTo(GetParam(), {3, 0});
   goals::GoalStep step;
   for (int i = 0; i < 30; ++i) {
-    step = navigator->next(emptyScan(robot::kLostReading), {}, false);
+    step = navigator->next(emptyScan(lidar::kLostReading), {}, false);
     EXPECT_EQ(step.command.speed_mps, 0);
   }
   EXPECT_EQ(step.status, goals::GoalStatus::kGaveUp);
@@ -80,7 +80,7 @@ TEST_P(EveryNavigator, GivesUpWithoutAnyValidReading) {
 TEST_P(EveryNavigator, GivesUpAtTheTimeLimitAndWhenThePoseIsLost) {
   const auto navigator = navigatorTo(GetParam(), {100, 0}, 2);
   goals::GoalStep step;
-  for (int i = 0; i < 12; ++i) step = navigator->next(emptyScan(robot::kNoReturn), {0.5 * i, 0, 0}, false);
+  for (int i = 0; i < 12; ++i) step = navigator->next(emptyScan(lidar::kNoReturn), {0.5 * i, 0, 0}, false);
   EXPECT_EQ(step.status, goals::GoalStatus::kGaveUp);
   EXPECT_EQ(step.reason, "time limit of 2 s of the robot's time");
   const core::Pose2 lost{std::nan(""), 0, 0};
@@ -118,7 +118,7 @@ TEST_P(EveryNavigator, NeverCollidesInACommittedWorldWithNoise) {
     const auto start = world::findStartPose(scene.plan, robot::circumscribedRadius(robot::RobotOptions()));
     ASSERT_TRUE(start.has_value());
     scene.start = *start;
-    robot::LidarOptions lidar;
+    lidar::LidarOptions lidar;
     lidar.beams = 181;
     goals::NavigateOptions options;
     options.time_limit_s = 80;
@@ -153,8 +153,8 @@ TEST_P(TextbookBug, ReachesEveryGoalThatCanBeReached) {
   for (const auto& [name, scene] : reachableScenes())
     for (const bool noisy : {false, true}) {
       // With noise: the lidar with a blind sector behind.
-      robot::LidarOptions lidar = exactLidar();
-      if (noisy) lidar = robot::LidarOptions(), lidar.beams = 271;
+      lidar::LidarOptions lidar = exactLidar();
+      if (noisy) lidar = lidar::LidarOptions(), lidar.beams = 271;
       const auto drive = driveTo(scene, GetParam(), lidar, exactOdometry());
       EXPECT_EQ(drive.status, goals::GoalStatus::kReached) << name << ": " << drive.reason;
       EXPECT_LE(drive.goal_distance_m, 0.1 + 1e-9) << name;
@@ -165,8 +165,8 @@ TEST_P(TextbookBug, ReachesEveryGoalThatCanBeReached) {
 TEST_P(TextbookBug, SaysOfEveryOtherGoalThatItCannotBeReached) {
   for (const auto& [name, scene] : unreachableScenes())
     for (const bool noisy : {false, true}) {
-      robot::LidarOptions lidar = exactLidar();
-      if (noisy) lidar = robot::LidarOptions(), lidar.beams = 271;
+      lidar::LidarOptions lidar = exactLidar();
+      if (noisy) lidar = lidar::LidarOptions(), lidar.beams = 271;
       const auto drive = driveTo(scene, GetParam(), lidar, exactOdometry());
       EXPECT_EQ(drive.status, goals::GoalStatus::kUnreachable) << name << ": " << drive.reason;
       EXPECT_EQ(drive.collisions, 0U) << name;
@@ -199,7 +199,7 @@ GoalScene mazeScene(std::uint64_t seed) {
 
 TEST_P(TextbookBug, FindsThroughGeneratedMazes) {
   for (const std::uint64_t seed : {1, 3}) {
-    robot::LidarOptions lidar = exactLidar(4);
+    lidar::LidarOptions lidar = exactLidar(4);
     lidar.beams = 240;
     const auto drive = driveTo(mazeScene(seed), GetParam(), lidar, exactOdometry());
     EXPECT_EQ(drive.status, goals::GoalStatus::kReached) << seed << ": " << drive.reason;
@@ -214,7 +214,7 @@ TEST_P(TextbookBug, KnowsThatAWalledInGoalOfAMazeCannotBeReached) {
   };
   wall(-0.7, -0.7, -0.6, 0.7), wall(-0.7, -0.7, 0.7, -0.6);
   wall(0.6, -0.7, 0.7, 0.7), wall(-0.7, 0.6, 0.7, 0.7);
-  robot::LidarOptions lidar = exactLidar(4);
+  lidar::LidarOptions lidar = exactLidar(4);
   lidar.beams = 240;
   const auto drive = driveTo(scene, GetParam(), lidar, exactOdometry());
   EXPECT_EQ(drive.status, goals::GoalStatus::kUnreachable) << drive.reason;

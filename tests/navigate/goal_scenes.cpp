@@ -14,14 +14,14 @@ robot::OdometryOptions exactOdometry() {
   return odometry;
 }
 
-robot::LidarOptions exactLidar(double max_range_m) {
-  robot::LidarOptions lidar = circleLidar();
+lidar::LidarOptions exactLidar(double max_range_m) {
+  lidar::LidarOptions lidar = circleLidar();
   lidar.max_range_m = max_range_m;
   lidar.sigma_m = 0;
   return lidar;
 }
 
-GoalDrive driveTo(const GoalScene& scene, const std::string& method, const robot::LidarOptions& lidar,
+GoalDrive driveTo(const GoalScene& scene, const std::string& method, const lidar::LidarOptions& lidar,
                   const robot::OdometryOptions& odometry, const goals::NavigateOptions& options,
                   std::uint64_t seed, const std::optional<robot::FloorCamera>& camera) {
   const robot::RobotOptions robot;

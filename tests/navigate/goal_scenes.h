@@ -12,7 +12,7 @@ namespace slam::navigate::scenes {
 /// Wheels that report what they did.
 robot::OdometryOptions exactOdometry();
 /// A full circle of one-degree beams without noise.
-robot::LidarOptions exactLidar(double max_range_m = 6);
+lidar::LidarOptions exactLidar(double max_range_m = 6);
 
 /// A drive to a goal.
 struct GoalDrive {
@@ -31,7 +31,7 @@ struct GoalScene {
   core::Point2 goal;
 };
 
-GoalDrive driveTo(const GoalScene& scene, const std::string& method, const robot::LidarOptions& lidar,
+GoalDrive driveTo(const GoalScene& scene, const std::string& method, const lidar::LidarOptions& lidar,
                   const robot::OdometryOptions& odometry, const goals::NavigateOptions& options = {},
                   std::uint64_t seed = 1, const std::optional<robot::FloorCamera>& camera = std::nullopt);
 /// The same with the default floor camera in place of a lidar and exact wheels.

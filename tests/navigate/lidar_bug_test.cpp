@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <set>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/navigate/goal_scenes.h"
 
 namespace slam::navigate {
@@ -59,11 +59,12 @@ TEST(LidarBugTable, IsTheDiagramInTheDocumentation) {
   const std::string path = std::string(RASTERSLAM_SOURCE_DIR) + "/libslam/goals/lidar_bug.md";
   std::string committed;
   try {
-    committed = core::readTextFile(path);
+    committed = files::readTextFile(path);
   } catch (const std::exception&) {
   }
   if (committed != goals::lidarBugDiagram())
-    core::writeFileAtomically(std::string(RASTERSLAM_BINARY_DIR) + "/lidar_bug.md", goals::lidarBugDiagram());
+    files::writeFileAtomically(std::string(RASTERSLAM_BINARY_DIR) + "/lidar_bug.md",
+                               goals::lidarBugDiagram());
   EXPECT_EQ(committed, goals::lidarBugDiagram());
 }
 
@@ -78,8 +79,8 @@ TEST(StrategicDirections, AreTheOriginalOnes) {
 }
 
 /// A circle of one-degree beams at 5 m with obstacles at given angles (degrees).
-robot::Scan scanWith(const std::vector<std::pair<int, float>>& obstacles) {
-  robot::Scan scan;
+lidar::Scan scanWith(const std::vector<std::pair<int, float>>& obstacles) {
+  lidar::Scan scan;
   scan.first_angle_rad = -core::kPi;
   scan.step_rad = core::kPi / 180;
   scan.max_range_m = 6;
@@ -93,7 +94,7 @@ robot::Scan scanWith(const std::vector<std::pair<int, float>>& obstacles) {
 class Shown {
  public:
   Shown() : navigator_(goals::makeGoalNavigator("lidar_bug", {}, {{10, 0}, robot::RobotOptions(), 0.2})) {}
-  std::string show(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
+  std::string show(const lidar::Scan& scan, const core::Pose2& T_odom_robot) {
     step_ = navigator_->next(scan, T_odom_robot, false);
     return step_.state;
   }

@@ -7,7 +7,7 @@
 
 #include "libslam/goals/goal_navigator.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 #include "tests/navigate/goal_scenes.h"
 
 namespace slam::navigate {
@@ -17,8 +17,8 @@ using core::degToRad;
 
 /// A look of 60 degrees from 0.1 m ahead of the robot's centre: `everywhere_m` but at `other` {degrees,
 /// range}.
-robot::Scan look(float everywhere_m, const std::vector<std::pair<int, float>>& other = {}) {
-  robot::Scan scan;
+lidar::Scan look(float everywhere_m, const std::vector<std::pair<int, float>>& other = {}) {
+  lidar::Scan scan;
   scan.first_angle_rad = degToRad(-30), scan.step_rad = degToRad(1);
   scan.min_range_m = 0.5, scan.max_range_m = 4;
   scan.T_robot_lidar = {0.1, 0, 0};
@@ -34,10 +34,11 @@ const robot::Command kAhead{0.5, 0, 0.2}, kBack{-0.5, 0, 0.2}, kTurn{0, 1, 0.2};
 
 /// Turns and looks as it says, in the open, until it has looked enough for the command. Returns by how much
 /// it turned.
-double lookAround(goals::LookFirst& robot, core::Pose2& T_odom_robot, const robot::Command& command) {
+double choices::lookAround(goals::LookFirst& robot, core::Pose2& T_odom_robot,
+                           const robot::Command& command) {
   double turned_rad = 0;
   for (int i = 0; i < 100; ++i) {
-    robot.update(look(robot::kNoReturn), T_odom_robot);
+    robot.update(look(lidar::kNoReturn), T_odom_robot);
     auto turn = robot.looking();
     if (!turn) turn = robot.instead(command);
     if (!turn) return turned_rad;
@@ -51,16 +52,16 @@ double lookAround(goals::LookFirst& robot, core::Pose2& T_odom_robot, const robo
 TEST(LookFirst, LooksToBothSidesBeforeTheFirstStepAndThenDrivesOn) {
   auto robot = careful();
   core::Pose2 T_odom_robot;
-  robot.update(look(robot::kNoReturn), T_odom_robot);
+  robot.update(look(lidar::kNoReturn), T_odom_robot);
   EXPECT_TRUE(robot.leadsOverUnseen(kAhead)) << "beside the narrow view";
   EXPECT_FALSE(robot.leadsOverUnseen(kTurn)) << "the circle is where it was";
-  const double turned_rad = lookAround(robot, T_odom_robot, kAhead);
+  const double turned_rad = choices::lookAround(robot, T_odom_robot, kAhead);
   EXPECT_GT(turned_rad, degToRad(30));
   EXPECT_LT(turned_rad, degToRad(360));
   // Where it looked by then it may go, step after step, without another look.
   for (int i = 0; i < 10; ++i) {
     T_odom_robot = T_odom_robot * robot::driveMotion(kAhead, 0.2);
-    robot.update(look(robot::kNoReturn), T_odom_robot);
+    robot.update(look(lidar::kNoReturn), T_odom_robot);
     EXPECT_FALSE(robot.instead(kAhead)) << i;
   }
   EXPECT_FALSE(robot.leadsOverUnseen(kBack)) << "it came from there";
@@ -68,7 +69,7 @@ TEST(LookFirst, LooksToBothSidesBeforeTheFirstStepAndThenDrivesOn) {
 
 TEST(LookFirst, TakesWhatHidesTheFloorForAnObstacleUntilItSeesTheFloor) {
   auto robot = careful();
-  const auto wall = look(robot::kLostReading);  // something in the dead zone hides all floor
+  const auto wall = look(lidar::kLostReading);  // something in the dead zone hides all floor
   robot.update(wall, {});
   core::Pose2 T_odom_robot;
   for (int i = 0; i < 20 && robot.hidden().empty(); ++i) {
@@ -82,7 +83,7 @@ TEST(LookFirst, TakesWhatHidesTheFloorForAnObstacleUntilItSeesTheFloor) {
   const core::Point2 hidden = T_odom_robot * robot.hidden()[0];
   EXPECT_NEAR(std::hypot(hidden.x, hidden.y), 0.3, 0.05) << "right before the robot's circle";
   EXPECT_FALSE(robot.looking());
-  robot.update(look(robot::kNoReturn), {0, 0, std::atan2(hidden.y, hidden.x)});
+  robot.update(look(lidar::kNoReturn), {0, 0, std::atan2(hidden.y, hidden.x)});
   EXPECT_TRUE(robot.hidden().empty()) << "it has gone";
 }
 
@@ -91,7 +92,8 @@ TEST(LookFirst, KnowsTheFloorBeforeItsMinimumRangeByWhatItShowsBeyond) {
   robot.update(look(2), {});
   const robot::Command creep{0.02, 0, 0.2};
   core::Pose2 T_odom_robot;
-  EXPECT_LT(lookAround(robot, T_odom_robot, creep), degToRad(360)) << "0.3 m ahead is nearer than it sees";
+  EXPECT_LT(choices::lookAround(robot, T_odom_robot, creep), degToRad(360))
+      << "0.3 m ahead is nearer than it sees";
 }
 
 struct ByCamera {
@@ -132,20 +134,20 @@ TEST_P(CameraNavigation, ComesToTheRightEndWithoutACollision) {
 }
 
 TEST(Driver, LooksBeforeItDrivesAndThenDrivesTheWayThatItHadChosen) {
-  StrategyOptions options;
+  strategies::StrategyOptions options;
   options.name = "longest_ray", options.unseen = "looked_at";
-  Driver driver(makeStrategy(options, {1, "strategy"}), options, {}, 0.2, {1, "driver"});
+  Driver driver(strategies::makeStrategy(options, {1, "strategy"}), options, {}, 0.2, {1, "driver"});
   core::Pose2 T_odom_robot;
   double turned_rad = 0;
   for (int i = 0; i < 100; ++i) {
-    const auto command = driver.next(look(robot::kNoReturn), T_odom_robot, false);
+    const auto command = driver.next(look(lidar::kNoReturn), T_odom_robot, false);
     if (command.speed_mps > 0) break;
     turned_rad += std::abs(command.turn_rate_radps * command.duration_s);
     T_odom_robot = T_odom_robot * robot::driveMotion(command);
   }
   EXPECT_GT(turned_rad, degToRad(60)) << "to both sides and back";
   EXPECT_NEAR(T_odom_robot.phi, 0, 1e-9) << "the longest ray was straight ahead";
-  EXPECT_GT(driver.next(look(robot::kNoReturn), T_odom_robot, false).speed_mps, 0);
+  EXPECT_GT(driver.next(look(lidar::kNoReturn), T_odom_robot, false).speed_mps, 0);
 }
 
 }  // namespace

@@ -6,10 +6,10 @@
 #include "libslam/core/error.h"
 #include "libslam/goals/lidar_bug.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/navigate/strategy.h"
-#include "libslam/paths/free_ways.h"
-#include "libslam/paths/safe_motion.h"
-#include "libslam/paths/view.h"
+#include "libslam/safety/free_ways.h"
+#include "libslam/safety/safe_motion.h"
+#include "libslam/safety/view.h"
+#include "libslam/strategies/strategy.h"
 #include "tests/navigate/goal_scenes.h"
 #include "tests/navigate/scenes.h"
 
@@ -20,8 +20,8 @@ using core::degToRad;
 using core::radToDeg;
 
 /// A original scan: N readings once round, reading 0 straight ahead, indices growing to the left.
-robot::Scan originalScan(std::vector<float> ranges_m) {
-  robot::Scan scan;
+lidar::Scan originalScan(std::vector<float> ranges_m) {
+  lidar::Scan scan;
   scan.first_angle_rad = 0;
   scan.step_rad = 2 * core::kPi / static_cast<double>(ranges_m.size());
   scan.max_range_m = 50;
@@ -29,7 +29,7 @@ robot::Scan originalScan(std::vector<float> ranges_m) {
   return scan;
 }
 
-robot::Scan originalScan(size_t readings, float everywhere_m,
+lidar::Scan originalScan(size_t readings, float everywhere_m,
                          const std::vector<std::pair<size_t, float>>& other) {
   std::vector<float> ranges_m(readings, everywhere_m);
   for (const auto& [index, range_m] : other) ranges_m[index] = range_m;
@@ -39,19 +39,19 @@ robot::Scan originalScan(size_t readings, float everywhere_m,
 // First and last eighth ahead, 3/8 to 5/8 behind: of 800 readings 0..100 and 700..799, and 300..500.
 TEST(OriginalCanMove, HasItsSectorsAtEighthsOfTheScan) {
   const auto blockedBy = [](size_t index) {
-    return paths::canMove(originalScan(800, 5, {{index, 0.4F}}), 0.5);
+    return safety::canMove(originalScan(800, 5, {{index, 0.4F}}), 0.5);
   };
   for (const size_t front : {0, 1, 99, 100, 700, 701, 799})
-    EXPECT_EQ(blockedBy(front), paths::FreeWays::kRearOnly) << front;
+    EXPECT_EQ(blockedBy(front), safety::FreeWays::kRearOnly) << front;
   for (const size_t rear : {300, 301, 400, 499, 500})
-    EXPECT_EQ(blockedBy(rear), paths::FreeWays::kFrontOnly) << rear;
+    EXPECT_EQ(blockedBy(rear), safety::FreeWays::kFrontOnly) << rear;
   for (const size_t aside : {101, 200, 299, 501, 600, 699})
-    EXPECT_EQ(blockedBy(aside), paths::FreeWays::kBoth) << aside;
+    EXPECT_EQ(blockedBy(aside), safety::FreeWays::kBoth) << aside;
 }
 
 TEST(OriginalCanMove, AnswersWithTheNumbersZeroToThree) {
   const auto answer = [](std::vector<std::pair<size_t, float>> near) {
-    return static_cast<int>(paths::canMove(originalScan(360, 5, near), 0.5));
+    return static_cast<int>(safety::canMove(originalScan(360, 5, near), 0.5));
   };
   EXPECT_EQ(answer({}), 0);                            // both free
   EXPECT_EQ(answer({{180, 0.499F}}), 1);               // only front
@@ -62,20 +62,20 @@ TEST(OriginalCanMove, AnswersWithTheNumbersZeroToThree) {
 
 TEST(OriginalCanMove, TakesWFromTheRobotsCircleAndItsStep) {
   robot::RobotOptions robot;
-  EXPECT_NEAR(paths::stopClearance(robot, 0.2, 0.01), 0.2 * std::sqrt(2) + 0.1 + 0.02 + 0.01, 1e-12);
+  EXPECT_NEAR(safety::stopClearance(robot, 0.2, 0.01), 0.2 * std::sqrt(2) + 0.1 + 0.02 + 0.01, 1e-12);
   robot.max_speed_mps = 1;
-  EXPECT_NEAR(paths::stopClearance(robot, 0.2, 0.01), 0.2 * std::sqrt(2) + 0.2 + 0.02 + 0.01, 1e-12);
+  EXPECT_NEAR(safety::stopClearance(robot, 0.2, 0.01), 0.2 * std::sqrt(2) + 0.2 + 0.02 + 0.01, 1e-12);
 }
 
 // What w promises: one whole step into any direction of the free sector, and the circle still has its margin.
 TEST(OriginalCanMove, WithThatWAStepIntoTheSectorKeepsTheMargin) {
   const robot::RobotOptions robot;
-  const double w_m = paths::stopClearance(robot, 0.2, 0), step_m = robot.max_speed_mps * 0.2;
+  const double w_m = safety::stopClearance(robot, 0.2, 0), step_m = robot.max_speed_mps * 0.2;
   for (int wall = -45; wall <= 45; wall += 5) {
     auto scan = originalScan(360, 20, {{static_cast<size_t>((wall + 360) % 360), static_cast<float>(w_m)}});
-    ASSERT_EQ(paths::canMove(scan, w_m - 1e-6), paths::FreeWays::kBoth);
+    ASSERT_EQ(safety::canMove(scan, w_m - 1e-6), safety::FreeWays::kBoth);
     for (int drive = -45; drive <= 45; drive += 5)
-      EXPECT_GE(paths::discReach(scan, degToRad(drive), robot), step_m - 1e-6) << wall << " " << drive;
+      EXPECT_GE(safety::discReach(scan, degToRad(drive), robot), step_m - 1e-6) << wall << " " << drive;
   }
 }
 
@@ -86,11 +86,11 @@ TEST(OriginalCanMove, StopsTheDriverAtTheWThatFollowsFromTheRobot) {
     seen.range_sigma_m = 0.01;
     return seen;
   }();
-  StrategyOptions options;
+  strategies::StrategyOptions options;
   options.name = "longest_ray";
   const auto speed = [&](double w_m) {
     options.stop_clearance_m = w_m;
-    Driver driver(makeStrategy(options, {1, "s"}), options, {}, 0.2, {1, "driver"});
+    Driver driver(strategies::makeStrategy(options, {1, "s"}), options, {}, 0.2, {1, "driver"});
     return driver.next(scan, {}, false).speed_mps;
   };
   EXPECT_LE(speed(0.45), 0);
@@ -98,7 +98,7 @@ TEST(OriginalCanMove, StopsTheDriverAtTheWThatFollowsFromTheRobot) {
 }
 
 TEST(OriginalDivisor, IsFromATenthToTwo) {
-  const StrategyOptions options;
+  const strategies::StrategyOptions options;
   EXPECT_EQ(options.divisor_min, 0.1);
   EXPECT_EQ(options.divisor_max, 2.0);
 }
@@ -107,14 +107,14 @@ TEST(OriginalQuadrants, AreNinetyDegreesEachFromTheHeading) {
   const std::vector<std::pair<double, int>> borders = {{0, 0},     {89.9, 0}, {90, 1},    {179.9, 1},
                                                        {180.1, 2}, {269, 2},  {270.1, 3}, {359.9, 3}};
   for (const auto& [degrees, quadrant] : borders)
-    EXPECT_EQ(paths::quadrantOf(degToRad(degrees)), quadrant) << degrees;
+    EXPECT_EQ(safety::quadrantOf(degToRad(degrees)), quadrant) << degrees;
 }
 
 TEST(OriginalQuadrants, DoNotChooseWhatLeadsBackWithin45Degrees) {
   for (const int aside : {0, 30, 44, 46, 60}) {
-    StrategyOptions options;
+    strategies::StrategyOptions options;
     options.divisor_min = options.divisor_max = 1;
-    const auto strategy = makeStrategy(options, {1, "s"});
+    const auto strategy = strategies::makeStrategy(options, {1, "s"});
     strategy->decide(originalScan(360, 3, {}), {0, 0, 0});
     // Came straight ahead: the way back is at 180 degrees. The longest ray is so far aside of it.
     const auto scan = originalScan(360, 1, {{static_cast<size_t>(180 - aside), 9.0F}, {20, 4.0F}});
@@ -131,7 +131,7 @@ robot::RobotOptions smallRobot() {
 }
 
 /// One look of a bug that drives towards a goal 10 m ahead.
-goals::GoalStep look(const robot::Scan& scan, const robot::RobotOptions& robot = smallRobot(),
+goals::GoalStep look(const lidar::Scan& scan, const robot::RobotOptions& robot = smallRobot(),
                      const goals::NavigateOptions& options = {}) {
   const auto bug = goals::makeGoalNavigator("lidar_bug", options, {{10, 0}, robot, 0.2});
   bug->next(originalScan(275, 5, {}), {}, false);
@@ -215,7 +215,7 @@ TEST(OriginalBug, TellsEveryTransitionOfAPeriod) {
   EXPECT_TRUE(bug->next(originalScan(275, 5, {{0, 0.5F}}), {}, false).changes.empty());
   // Nothing is told twice where it only waits for a valid reading.
   bug->next(originalScan(275, 5, {}), {0, 0, 1}, false);
-  EXPECT_TRUE(bug->next(originalScan(275, robot::kLostReading, {}), {0, 0, 1}, false).changes.empty());
+  EXPECT_TRUE(bug->next(originalScan(275, lidar::kLostReading, {}), {0, 0, 1}, false).changes.empty());
 }
 
 /// Brings a bug to its wall's end with the goal far aside, and looks once more.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 
 namespace slam::navigate::scenes {
 namespace {
@@ -37,12 +37,12 @@ std::vector<char> connectedFloor(const Plan& plan, const core::Point2& p_world) 
 }
 
 /// Marks what the rays of a scan passed, every half cell.
-void markSeen(const Plan& plan, const core::Pose2& T_world_robot, const robot::Scan& scan,
+void markSeen(const Plan& plan, const core::Pose2& T_world_robot, const lidar::Scan& scan,
               std::vector<char>& seen) {
   const core::Pose2 T_world_lidar = T_world_robot * scan.T_robot_lidar;
   const auto origin = world::worldToCells(plan, core::position(T_world_lidar));
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    if (!robot::isReturn(scan.ranges_m[i])) continue;
+    if (!lidar::isReturn(scan.ranges_m[i])) continue;
     const double angle = T_world_lidar.phi + scan.angle(i) - plan.T_world_plan.phi;
     const double c = std::cos(angle), s = std::sin(angle), end = scan.ranges_m[i] / plan.resolution_m;
     for (double r = 0; r < end; r += 0.5) {
@@ -78,15 +78,15 @@ void fill(Plan& plan, double x0, double y0, double x1, double y1, Cell cell) {
       plan.cells[index(plan, column, row)] = cell;
 }
 
-robot::Scan scanIn(const Plan& plan, const core::Pose2& T_world_robot, double time_s) {
-  robot::Scan scan;
+lidar::Scan scanIn(const Plan& plan, const core::Pose2& T_world_robot, double time_s) {
+  lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = -core::kPi;
   scan.step_rad = core::degToRad(0.5);
   scan.max_range_m = 10;
   for (size_t i = 0; i < 720; ++i)
     scan.ranges_m.push_back(static_cast<float>(
-        world::castRay(plan, core::position(T_world_robot), T_world_robot.phi + scan.angle(i), 10)));
+        rays::castRay(plan, core::position(T_world_robot), T_world_robot.phi + scan.angle(i), 10)));
   return scan;
 }
 
@@ -106,20 +106,21 @@ Plan flat() {
   return plan;
 }
 
-robot::LidarOptions circleLidar() {
-  robot::LidarOptions lidar;
+lidar::LidarOptions circleLidar() {
+  lidar::LidarOptions lidar;
   lidar.fov_rad = 2 * core::kPi;
   lidar.beams = 360;
   lidar.max_range_m = 12;
   return lidar;
 }
 
-Exploration explore(const Plan& plan, const core::Pose2& start, const StrategyOptions& options,
-                    const robot::LidarOptions& lidar, std::uint64_t seed, double duration_s) {
+Exploration explore(const Plan& plan, const core::Pose2& start, const strategies::StrategyOptions& options,
+                    const lidar::LidarOptions& lidar, std::uint64_t seed, double duration_s) {
   const robot::RobotOptions robot;
   const double period_s = 1 / lidar.rate_hz;
   sim::Simulator simulator(plan, robot, lidar, {}, start, seed);
-  Driver driver(makeStrategy(options, {seed, "strategy"}), options, robot, period_s, {seed, "driver"});
+  Driver driver(strategies::makeStrategy(options, {seed, "strategy"}), options, robot, period_s,
+                {seed, "driver"});
   const auto floor = connectedFloor(plan, core::position(start));
   std::vector<char> seen(plan.cells.size(), 0);
 
@@ -142,8 +143,8 @@ Exploration explore(const Plan& plan, const core::Pose2& start, const StrategyOp
 
 std::vector<std::string> maplessStrategies() {
   std::vector<std::string> names;
-  for (const auto& name : strategyNames())
-    if (!strategyNeedsMap(name)) names.push_back(name);
+  for (const auto& name : strategies::strategyNames())
+    if (!strategies::strategyNeedsMap(name)) names.push_back(name);
   return names;
 }
 
@@ -154,7 +155,7 @@ PerfectMap::PerfectMap(const Plan& plan) : plan_(plan) {
   raster_.occupancy.assign(plan.cells.size(), 0.5F);
 }
 
-void PerfectMap::insert(const core::Pose2& T_world_robot, const robot::Scan& scan) {
+void PerfectMap::insert(const core::Pose2& T_world_robot, const lidar::Scan& scan) {
   const core::Pose2 T_world_lidar = T_world_robot * scan.T_robot_lidar;
   const auto origin = world::worldToCells(plan_, core::position(T_world_lidar));
   const double end = scan.max_range_m / plan_.resolution_m;
@@ -177,12 +178,14 @@ double PerfectMap::seenShare(const core::Point2& p_world) const {
   return share(seen, connectedFloor(plan_, p_world));
 }
 
-MapExploration exploreOnMap(const Plan& plan, const core::Pose2& start, const StrategyOptions& options,
-                            const robot::LidarOptions& lidar, std::uint64_t seed, double limit_s) {
+MapExploration exploreOnMap(const Plan& plan, const core::Pose2& start,
+                            const strategies::StrategyOptions& options, const lidar::LidarOptions& lidar,
+                            std::uint64_t seed, double limit_s) {
   const robot::RobotOptions robot;
   const double period_s = 1 / lidar.rate_hz;
   sim::Simulator simulator(plan, robot, lidar, {}, start, seed, 0.0);
-  Driver driver(makeStrategy(options, {seed, "strategy"}), options, robot, period_s, {seed, "driver"});
+  Driver driver(strategies::makeStrategy(options, {seed, "strategy"}), options, robot, period_s,
+                {seed, "driver"});
   PerfectMap map(plan);
   MapExploration result;
   sim::Sensed sensed = simulator.sense();
@@ -199,7 +202,7 @@ MapExploration exploreOnMap(const Plan& plan, const core::Pose2& start, const St
     if (driver.finished() || simulator.time_s() >= limit_s) break;
     if (driver.wantsMap()) driver.setMap(map.raster());
     const auto command = driver.next(sensed.scan, simulator.truth(), sensed.collided);
-    const Decision& decision = driver.currentDecision();
+    const choices::Decision& decision = driver.currentDecision();
     if (result.decisions.empty() || result.decisions.back().reason != decision.reason)
       result.decisions.push_back(decision);
     sensed = simulator.step(command);

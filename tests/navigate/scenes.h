@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "libslam/navigate/driver.h"
-#include "libslam/navigate/strategy.h"
 #include "libslam/sim/simulator.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/world/plan.h"
 
 namespace slam::navigate::scenes {
@@ -18,16 +18,16 @@ void fill(world::Plan& plan, double x0, double y0, double x1, double y1,
 world::Plan flat();
 
 /// A full circle of one-degree beams, 12 m, 1 cm noise.
-robot::LidarOptions circleLidar();
+lidar::LidarOptions circleLidar();
 
 /// What a lidar without errors sees: a full circle of half-degree beams, 10 m.
-robot::Scan scanIn(const world::Plan& plan, const core::Pose2& T_world_robot, double time_s);
+lidar::Scan scanIn(const world::Plan& plan, const core::Pose2& T_world_robot, double time_s);
 
 /// What perfect mapping makes of a drive: every cell that a ray has passed or hit, as it is in the plan.
 class PerfectMap {
  public:
   explicit PerfectMap(const world::Plan& plan);
-  void insert(const core::Pose2& T_world_robot, const robot::Scan& scan);
+  void insert(const core::Pose2& T_world_robot, const lidar::Scan& scan);
   /// The map frame is the world.
   const gridmap::OccupancyRaster& raster() const { return raster_; }
   /// Share of the cells of the plan's floor that are connected with p_world.
@@ -51,8 +51,9 @@ struct Exploration {
 };
 
 /// Drives for duration_s with noise on lidar and odometry.
-Exploration explore(const world::Plan& plan, const core::Pose2& start, const StrategyOptions& options,
-                    const robot::LidarOptions& lidar, std::uint64_t seed, double duration_s);
+Exploration explore(const world::Plan& plan, const core::Pose2& start,
+                    const strategies::StrategyOptions& options, const lidar::LidarOptions& lidar,
+                    std::uint64_t seed, double duration_s);
 
 /// An exploration on a perfect map and with the true pose, with noise on the lidar that the driver sees.
 struct MapExploration {
@@ -63,9 +64,10 @@ struct MapExploration {
   double seen_share = 0;
   double path_90_m = -1, path_99_m = -1;  ///< driven when that share was seen; -1 = never
   std::vector<core::Pose2> truth;
-  std::vector<Decision> decisions;
+  std::vector<choices::Decision> decisions;
 };
-MapExploration exploreOnMap(const world::Plan& plan, const core::Pose2& start, const StrategyOptions& options,
-                            const robot::LidarOptions& lidar, std::uint64_t seed, double limit_s);
+MapExploration exploreOnMap(const world::Plan& plan, const core::Pose2& start,
+                            const strategies::StrategyOptions& options, const lidar::LidarOptions& lidar,
+                            std::uint64_t seed, double limit_s);
 
 }  // namespace slam::navigate::scenes

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "libslam/choices/team_share.h"
 #include "libslam/navigate/right_of_way.h"
-#include "libslam/navigate/team_share.h"
 
 namespace slam::navigate {
 namespace {
@@ -18,28 +18,28 @@ gridmap::OccupancyRaster corridor() {
   return map;
 }
 
-robot::Scan emptyScan() {
-  robot::Scan scan;
+lidar::Scan emptyScan() {
+  lidar::Scan scan;
   scan.first_angle_rad = -core::kPi;
   scan.step_rad = core::kPi / 90;
   scan.max_range_m = 8;
-  scan.ranges_m.assign(180, robot::kNoReturn);
+  scan.ranges_m.assign(180, lidar::kNoReturn);
   return scan;
 }
 
 TEST(TeamShare, WhatOneAimsAtTheOtherLeaves) {
-  StrategyOptions options;
+  strategies::StrategyOptions options;
   options.name = "nearest_frontier";
   // 1 m to the right of the middle: the right end is nearer.
   const core::Pose2 T_map_robot{1, 0, 0};
-  const auto decide = [&](const std::vector<Teammate>& team) {
-    const auto strategy = makeStrategy(options, core::RandomStream(1, "strategy"));
+  const auto decide = [&](const std::vector<choices::Teammate>& team) {
+    const auto strategy = strategies::makeStrategy(options, core::RandomStream(1, "strategy"));
     strategy->seeMap(corridor());
     strategy->seeTeam(team);
     return strategy->decide(emptyScan(), T_map_robot);
   };
   EXPECT_GT(decide({}).goal.x, 3);
-  Teammate right;
+  choices::Teammate right;
   right.p_map = {2.5, 0};
   right.goal = core::Point2{3.6, 0};
   EXPECT_LT(decide({right}).goal.x, -3);
@@ -48,7 +48,7 @@ TEST(TeamShare, WhatOneAimsAtTheOtherLeaves) {
   EXPECT_LT(decide({right}).goal.x, -3);
   // Both ends are taken: it comes after, short of the goal.
   right.goal = core::Point2{3.6, 0};
-  Teammate left = right;
+  choices::Teammate left = right;
   left.p_map = {-3, 0};
   left.goal = core::Point2{-3.6, 0};
   const auto late = decide({right, left});
@@ -57,19 +57,19 @@ TEST(TeamShare, WhatOneAimsAtTheOtherLeaves) {
 }
 
 TEST(TeamShare, WhoHasNothingLeftWaitsForThoseOnTheirWay) {
-  StrategyOptions options;
+  strategies::StrategyOptions options;
   options.name = "nearest_frontier";
   auto map = corridor();
   for (auto& p : map.occupancy)
     if (p == 0.5F) p = 0.99F;
-  const auto decide = [&](const std::vector<Teammate>& team) {
-    const auto strategy = makeStrategy(options, core::RandomStream(1, "strategy"));
+  const auto decide = [&](const std::vector<choices::Teammate>& team) {
+    const auto strategy = strategies::makeStrategy(options, core::RandomStream(1, "strategy"));
     strategy->seeMap(map);
     strategy->seeTeam(team);
     return strategy->decide(emptyScan(), {0, 0, 0});
   };
   EXPECT_TRUE(decide({}).finished);
-  Teammate busy;
+  choices::Teammate busy;
   busy.p_map = {2, 0};
   busy.goal = core::Point2{3, 0};
   EXPECT_GT(decide({busy}).wait_s, 0);

@@ -175,9 +175,9 @@ TEST(CameraView, NothingIsVisibleAtAPointThatIsNotFinite) {
 
 TEST(CameraOptions, RefusesAnglesThatNoCameraHas) {
   CameraOptions options;
-  const auto ini = core::IniFile::parse("[camera]\nfov_x_deg = 180\n", "robot.ini");
+  const auto ini = files::IniFile::parse("[camera]\nfov_x_deg = 180\n", "robot.ini");
   try {
-    core::readParameters(ini, CameraOptions::table(), options);
+    files::readParameters(ini, CameraOptions::table(), options);
     FAIL();
   } catch (const core::InputError& error) {
     EXPECT_STREQ(

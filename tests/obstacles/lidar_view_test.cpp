@@ -10,11 +10,11 @@
 namespace slam::obstacles {
 namespace {
 
-using robot::kLostReading;
-using robot::kNoReturn;
+using lidar::kLostReading;
+using lidar::kNoReturn;
 
-robot::Scan scanOf(double first_deg, double step_deg, std::vector<float> ranges_m) {
-  robot::Scan scan;
+lidar::Scan scanOf(double first_deg, double step_deg, std::vector<float> ranges_m) {
+  lidar::Scan scan;
   scan.first_angle_rad = core::degToRad(first_deg), scan.step_rad = core::degToRad(step_deg);
   scan.min_range_m = 0.1, scan.max_range_m = 8;
   scan.ranges_m = std::move(ranges_m);

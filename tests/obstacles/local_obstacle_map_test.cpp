@@ -236,8 +236,8 @@ TEST(LocalObstacleOptions, RefuseAMisspeltKeyAndAZoneWithoutWidth) {
   LocalObstacleOptions options;
   const auto message = [&](const std::string& line) {
     try {
-      core::readParameters(core::IniFile::parse("[obstacles]\n" + line + "\n", "robot.ini"),
-                           LocalObstacleOptions::table(), options);
+      files::readParameters(files::IniFile::parse("[obstacles]\n" + line + "\n", "robot.ini"),
+                            LocalObstacleOptions::table(), options);
     } catch (const core::InputError& error) {
       return std::string(error.what());
     }

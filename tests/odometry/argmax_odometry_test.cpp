@@ -17,12 +17,12 @@ using scenes::make;
 using scenes::oddRoom;
 using scenes::Scene;
 
-constexpr float kLost = robot::kLostReading;
+constexpr float kLost = lidar::kLostReading;
 
 /// Eight beams, 45 degrees apart, given in the original document's order: straight ahead first, then
 /// counter-clockwise.
-robot::Scan drawn(const std::vector<float>& original) {
-  robot::Scan scan;
+lidar::Scan drawn(const std::vector<float>& original) {
+  lidar::Scan scan;
   const size_t n = original.size();
   scan.step_rad = 2 * kPi / static_cast<double>(n);
   scan.first_angle_rad = -kPi;
@@ -91,7 +91,7 @@ TEST(ArgmaxOdometry, MeasuresAWholeCommandFromTheScanBeforeItHoweverManyWereTake
 
 TEST(ArgmaxOdometry, MakesUpForAScanWithoutAReadingAtTheNextOneOfTheCommand) {
   const auto odometry = make("argmax");
-  const float inf = robot::kNoReturn;
+  const float inf = lidar::kNoReturn;
   odometry->update(drawn({5, 1, 1, 1, 2, 1, 1, 1}));
   const auto begun = odometry->update(drawn({4, 1, 1, 1, 3, 1, 1, 1}), MotionKind::kMove);
   EXPECT_DOUBLE_EQ(begun.T_previous_current.x, 1);
@@ -138,7 +138,7 @@ TEST(ArgmaxBlind, GuessesWhateverItIsTold) {
 
 TEST(ArgmaxOdometry, TakesTheFirstOfEqualRangesCountedFromStraightAhead) {
   EXPECT_DOUBLE_EQ(turnSteps({1, 1, 1, 9, 1, 1, 9, 1}, {1, 1, 9, 1, 1, 1, 1, 1}), 1);
-  const float inf = robot::kNoReturn;
+  const float inf = lidar::kNoReturn;
   EXPECT_DOUBLE_EQ(turnSteps({1, 1, inf, inf, 1, 1, inf, 1}, {1, inf, inf, 1, 1, inf, 1, 19}), 1);
 }
 
@@ -162,7 +162,7 @@ TEST(ArgmaxOdometry, ReadsAMoveInFrontAndBehind) {
 }
 
 TEST(ArgmaxOdometry, UsesTheOtherReadingWhereOneIsMissingAndSaysSo) {
-  const float inf = robot::kNoReturn;
+  const float inf = lidar::kNoReturn;
   const ScanMotion rear_only = between("argmax", drawn({inf, 1, 1, 1, 2, 1, 1, 1}),
                                        drawn({5, 1, 1, 1, 2.5, 1, 1, 1}), MotionKind::kMove);
   EXPECT_DOUBLE_EQ(rear_only.T_previous_current.x, 0.5);

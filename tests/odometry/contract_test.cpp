@@ -64,7 +64,7 @@ TEST_P(ScanOdometryContract, TheSameScansGiveTheSameBits) {
 }
 
 TEST_P(ScanOdometryContract, BlindScansGiveAnUnreliableIdentityWithALargeCovariance) {
-  for (const float nothing : {robot::kNoReturn, robot::kLostReading}) {
+  for (const float nothing : {lidar::kNoReturn, lidar::kLostReading}) {
     auto scan = look(oddRoom(), {}, {});
     scan.ranges_m.assign(scan.ranges_m.size(), nothing);
     odometry_->reset();
@@ -79,7 +79,7 @@ TEST_P(ScanOdometryContract, BlindScansGiveAnUnreliableIdentityWithALargeCovaria
 
 TEST_P(ScanOdometryContract, OneReturnIsNotEnough) {
   auto scan = look(oddRoom(), {}, {});
-  scan.ranges_m.assign(scan.ranges_m.size(), robot::kLostReading);
+  scan.ranges_m.assign(scan.ranges_m.size(), lidar::kLostReading);
   scan.ranges_m[10] = 2;
   odometry_->update(scan);
   const ScanMotion motion = odometry_->update(scan);

@@ -237,12 +237,12 @@ TEST(ProfileCorrelation, FindsATurnToAFractionOfABeam) {
 
 TEST(ProfileCorrelation, EqualsItsPlainDefinition) {
   // Hand-sized: correlation of logarithms at every shift, by the book, over the circle.
-  robot::Scan before, after;
+  lidar::Scan before, after;
   before.first_angle_rad = after.first_angle_rad = -kPi;
   before.step_rad = after.step_rad = 2 * kPi / 12;
   before.max_range_m = after.max_range_m = 10;
   before.ranges_m = {1, 2, 3, 5, 4, 2, 2, 7, 1, 1, 3, 2};
-  after.ranges_m = {3, 5, 4, 2.5, 2, 7, 1, 1, 3, 1.5, 1, robot::kLostReading};
+  after.ranges_m = {3, 5, 4, 2.5, 2, 7, 1, 1, 3, 1.5, 1, lidar::kLostReading};
   double best = -2;
   int best_shift = 0;
   for (int shift = -6; shift <= 6; ++shift) {
@@ -266,7 +266,7 @@ TEST(ProfileCorrelation, EqualsItsPlainDefinition) {
 }
 
 TEST(ProfileCorrelation, AFlatProfileHasNoPeak) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.first_angle_rad = -kPi;
   scan.step_rad = 2 * kPi / 90;
   scan.max_range_m = 10;

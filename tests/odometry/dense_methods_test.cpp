@@ -22,7 +22,7 @@ using scenes::Scene;
 
 class DenseMethod : public ::testing::TestWithParam<std::string> {
  protected:
-  ScanMotion between(const robot::Scan& before, const robot::Scan& after) const {
+  ScanMotion between(const lidar::Scan& before, const lidar::Scan& after) const {
     return scenes::between(GetParam().c_str(), before, after);
   }
 };

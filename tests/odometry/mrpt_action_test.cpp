@@ -16,8 +16,8 @@
 #include <tuple>
 
 #include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/odometry/mrpt_action.h"
-#include "libslam/robot/mrpt_types.h"
 #include "tests/odometry/scene.h"
 
 namespace slam::odometry {
@@ -124,7 +124,7 @@ TEST(ToMrptAction, DrivesMrptsIcpBuilder) {
     mrpt::obs::CActionCollection actions;
     actions.insert(*toMrptAction(odometry->update(scan), scan.time_s));
     mrpt::obs::CSensoryFrame frame;
-    frame.insert(robot::toMrpt(scan));
+    frame.insert(lidar::toMrpt(scan));
     builder.processActionObservation(actions, frame);
   }
   const auto pose = builder.getCurrentPoseEstimation()->getMeanVal();
@@ -172,7 +172,7 @@ TEST(CorrelationOdometry, FollowsTheRealMalagaLogFromScansAlone) {
                                                                    entry)) {
     const auto scan = frame ? frame->getObservationByClass<mrpt::obs::CObservation2DRangeScan>() : nullptr;
     if (!scan) continue;
-    const ScanMotion motion = odometry->update(robot::fromMrpt(*scan));
+    const ScanMotion motion = odometry->update(lidar::fromMrpt(*scan));
     pose = pose * motion.T_previous_current;
     unreliable += motion.reliable ? 0 : 1;
     ++scans;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "libslam/core/random.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/odometry/scan_odometry.h"
-#include "libslam/robot/scan.h"
 
 namespace slam::odometry::scenes {
 
@@ -54,9 +54,9 @@ inline double castWall(const Scene::Wall& wall, const core::Point2& p, double an
 }
 
 /// What the lidar sees from a pose of the robot. `random` only where the lidar has noise or drop-outs.
-inline robot::Scan look(const Scene& scene, const core::Pose2& T_world_robot, const Lidar& lidar,
+inline lidar::Scan look(const Scene& scene, const core::Pose2& T_world_robot, const Lidar& lidar,
                         core::RandomStream* random = nullptr) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.first_angle_rad = -lidar.fov_rad / 2;
   scan.step_rad = lidar.step();
   scan.max_range_m = lidar.max_range_m;
@@ -69,8 +69,8 @@ inline robot::Scan look(const Scene& scene, const core::Pose2& T_world_robot, co
     for (const auto& wall : scene.walls)
       range = std::min(range, castWall(wall, core::position(T_world_lidar), angle));
     if (random) range += random->normal(lidar.sigma_m);
-    float reading = range <= lidar.max_range_m ? static_cast<float>(range) : robot::kNoReturn;
-    if (random && random->chance(lidar.drop_out)) reading = robot::kLostReading;
+    float reading = range <= lidar.max_range_m ? static_cast<float>(range) : lidar::kNoReturn;
+    if (random && random->chance(lidar.drop_out)) reading = lidar::kLostReading;
     scan.ranges_m.push_back(reading);
   }
   return scan;
@@ -83,7 +83,7 @@ inline std::unique_ptr<ScanOdometry> make(const char* method) {
 }
 
 /// The motion that a fresh odometry sees between two scans.
-inline ScanMotion between(const char* method, const robot::Scan& before, const robot::Scan& after,
+inline ScanMotion between(const char* method, const lidar::Scan& before, const lidar::Scan& after,
                           MotionKind kind = MotionKind::kUnknown) {
   const auto odometry = make(method);
   odometry->update(before, MotionKind::kUnknown);

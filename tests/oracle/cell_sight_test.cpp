@@ -6,7 +6,7 @@
 #include <set>
 
 #include "libslam/core/random.h"
-#include "libslam/world/ray_walk.h"
+#include "libslam/rays/ray_walk.h"
 #include "tests/world/drawn_plan.h"
 
 namespace slam::oracle {
@@ -32,14 +32,14 @@ bool isClear(const world::Plan& plan, const Block& block, const core::Point2& a,
   const auto end =
       static_cast<std::size_t>(b.y) * static_cast<std::size_t>(plan.columns) + static_cast<std::size_t>(b.x);
   bool arrives = false;
-  world::walkRay(plan, a, {(b.x - a.x) / length, (b.y - a.y) / length}, length + 1,
-                 [&](const world::Cell* cell, const world::RayEntry&) {
-                   const auto index = static_cast<std::size_t>(cell - plan.cells.data());
-                   arrives = arrives || index == end;
-                   const int column = static_cast<int>(index) % plan.columns,
-                             row = static_cast<int>(index) / plan.columns;
-                   return !arrives && (*cell != world::Cell::kOccupied || isIn(block, column, row));
-                 });
+  rays::walkRay(plan, a, {(b.x - a.x) / length, (b.y - a.y) / length}, length + 1,
+                [&](const world::Cell* cell, const rays::RayEntry&) {
+                  const auto index = static_cast<std::size_t>(cell - plan.cells.data());
+                  arrives = arrives || index == end;
+                  const int column = static_cast<int>(index) % plan.columns,
+                            row = static_cast<int>(index) / plan.columns;
+                  return !arrives && (*cell != world::Cell::kOccupied || isIn(block, column, row));
+                });
   return arrives;
 }
 

@@ -8,8 +8,8 @@
 #include <fstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/compare.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
@@ -30,14 +30,14 @@ class ReportData : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new testing::TempFolder;
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "10", "test");
     ini.set("lidar", "beams", "91", "test");
     score::CompareRequest request;
-    request.plan_path = core::resolvePlan("flat");
+    request.plan_path = resources::resolvePlan("flat");
     request.record = record::readRecordConfig(ini);
     request.methods = {"naive_wheel", "graph"};
-    request.methods_folder = core::configsFolder() + "/methods";
+    request.methods_folder = resources::configsFolder() + "/methods";
     request.output = *folder_ / "out";
     score::compare(request, {}, core::silentProgress());
   }
@@ -85,21 +85,21 @@ TEST_F(ReportData, OneRunOfItIsAPageToo) {
 TEST_F(ReportData, ARunThatWentOnInAMapFindsItsLogNotTheMap) {
   const auto folder = copy();
   const auto path = folder + "/graph/manifest.json";
-  auto manifest = core::readManifest(path);
+  auto manifest = resources::readManifest(path);
   manifest.inputs = {{folder + "/graph/map.simplemap", "0"}, {folder + "/log/run.rawlog", "0"}};
-  core::writeManifest(manifest, path);
+  resources::writeManifest(manifest, path);
   EXPECT_FALSE(gather(folder + "/graph").replays[0].scans.empty());
 }
 
 TEST_F(ReportData, AMethodThatFailedKeepsItsRowAndReason) {
   const auto folder = copy();
   fs::remove_all(folder + "/graph");
-  auto scores = core::readTextFile(folder + "/scores.json");
+  auto scores = files::readTextFile(folder + "/scores.json");
   const std::string notes = "\"notes\": [";
   const auto at = scores.find(notes);
   ASSERT_NE(at, std::string::npos);
   scores.insert(at + notes.size(), "\"graph failed: killed by signal 9\",");
-  core::writeFileAtomically(folder + "/scores.json", scores);
+  files::writeFileAtomically(folder + "/scores.json", scores);
   const auto page = gather(folder);
   ASSERT_EQ(page.runs.size(), 2U);
   EXPECT_EQ(page.runs[1].failure, "killed by signal 9");
@@ -122,9 +122,9 @@ TEST_F(ReportData, WithoutItsLogThereAreNoScansAndThePageSaysSo) {
   fs::remove_all(folder + "/log");
   fs::create_directory(folder + "/hidden");
   for (const char* method : {"graph", "naive_wheel"}) {
-    auto manifest = core::readManifest(folder + "/" + method + "/manifest.json");
+    auto manifest = resources::readManifest(folder + "/" + method + "/manifest.json");
     manifest.results["log"] = "/nowhere/run.rawlog";
-    core::writeManifest(manifest, folder + "/" + method + "/manifest.json");
+    resources::writeManifest(manifest, folder + "/" + method + "/manifest.json");
   }
   const auto page = gather(folder);
   EXPECT_TRUE(page.replays[0].scans.empty());
@@ -137,21 +137,21 @@ TEST_F(ReportData, WithoutItsLogThereAreNoScansAndThePageSaysSo) {
 TEST_F(ReportData, AFolderThatIsNoResultIsRefused) {
   EXPECT_THAT(errorOf([&] { gather(own_ / "nothing"); }), HasSubstr("is not a folder"));
   EXPECT_THAT(errorOf([&] { gather(own_.path()); }), HasSubstr("holds no manifest.json"));
-  core::writeManifest({}, own_ / "manifest.json");
+  resources::writeManifest({}, own_ / "manifest.json");
   EXPECT_THAT(errorOf([&] { gather(own_.path()); }), HasSubstr("holds no run"));
 }
 
 TEST_F(ReportData, ADamagedTableIsNamed) {
   const auto folder = copy();
-  core::writeFileAtomically(folder + "/scores.json", "[1, 2");
+  files::writeFileAtomically(folder + "/scores.json", "[1, 2");
   EXPECT_THAT(errorOf([&] { gather(folder); }), HasSubstr("scores.json: is not a table"));
-  core::writeFileAtomically(folder + "/scores.json", R"({"columns": [], "rows": [{"x": 1}]})");
+  files::writeFileAtomically(folder + "/scores.json", R"({"columns": [], "rows": [{"x": 1}]})");
   EXPECT_THAT(errorOf([&] { gather(folder); }), HasSubstr("a row names no method"));
 }
 
 TEST_F(ReportData, DamagedTimesAreNamedByLine) {
   const auto folder = copy();
-  core::writeFileAtomically(folder + "/graph/timing.csv", "scan,time_s,cpu_ms\n0,0,x\n");
+  files::writeFileAtomically(folder + "/graph/timing.csv", "scan,time_s,cpu_ms\n0,0,x\n");
   EXPECT_THAT(errorOf([&] { gather(folder); }), HasSubstr("timing.csv:2: found '0,0,x'"));
 }
 

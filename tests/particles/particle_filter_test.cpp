@@ -98,8 +98,8 @@ int count(const ParticleFilter& filter, const std::string& event) {
       [&](const core::JournalEntry& entry) { return core::wordOf(entry.event) == std::string(event); }));
 }
 
-robot::Scan withoutReturns(robot::Scan scan) {
-  for (auto& range_m : scan.ranges_m) range_m = robot::kNoReturn;
+lidar::Scan withoutReturns(lidar::Scan scan) {
+  for (auto& range_m : scan.ranges_m) range_m = lidar::kNoReturn;
   return scan;
 }
 
@@ -174,12 +174,12 @@ TEST(ParticleFilter, ACorridorIsDegenerateAndHeldByTheWheelsAlong) {
   ParticleFilter filter(options(), 1);
   const std::vector<mapping::test::Wall> walls = {{{-100, -1}, {100, -1}}, {{-100, 1}, {100, 1}}};
   for (int i = 0; i < 60; ++i) {
-    robot::Scan scan;
+    lidar::Scan scan;
     scan.time_s = 0.2 * i, scan.max_range_m = 12;
     scan.first_angle_rad = -core::kPi / 2, scan.step_rad = core::kPi / 180;
     for (size_t k = 0; k < 181; ++k) {
       const double range_m = mapping::test::castRay(walls, {0.2 * i, 0, 0}, scan.angle(k));
-      scan.ranges_m.push_back(range_m < 12 ? static_cast<float>(range_m) : robot::kNoReturn);
+      scan.ranges_m.push_back(range_m < 12 ? static_cast<float>(range_m) : lidar::kNoReturn);
     }
     filter.update(scan, motionOf({0.2, 0, 0}));
   }
@@ -255,15 +255,15 @@ TEST(ParticleFilter, ParticlesShareWhatTheyHaveInCommon) {
 
 /// The ring's walls five times as large: house fronts around a yard of 80 m, nothing else within reach of
 /// indoor settings.
-robot::Scan scanInYard(const core::Pose2& T, core::RandomStream& noise) {
+lidar::Scan scanInYard(const core::Pose2& T, core::RandomStream& noise) {
   std::vector<mapping::test::Wall> walls = ringWalls();
   walls.resize(20);  // without the block in its middle
   for (auto& wall : walls) wall = {{5 * wall.a.x, 5 * wall.a.y}, {5 * wall.b.x, 5 * wall.b.y}};
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.first_angle_rad = -core::kPi, scan.step_rad = core::kPi / 180, scan.max_range_m = 80;
   for (size_t i = 0; i < 360; ++i) {
     const double range_m = mapping::test::castRay(walls, T, scan.angle(i)) + noise.normal(0.01);
-    scan.ranges_m.push_back(range_m < scan.max_range_m ? static_cast<float>(range_m) : robot::kNoReturn);
+    scan.ranges_m.push_back(range_m < scan.max_range_m ? static_cast<float>(range_m) : lidar::kNoReturn);
   }
   return scan;
 }

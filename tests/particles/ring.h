@@ -14,7 +14,7 @@ namespace slam::particles::ring_drive {
 /// Two laps through a square ring corridor, 16 m outside and 2 m wide, with niches; ranges with 1 cm of
 /// noise, wheels that turn 4 % too far, drift to the left and drive 3 % too long.
 struct Ring {
-  std::vector<robot::Scan> scans;
+  std::vector<lidar::Scan> scans;
   std::vector<core::Pose2> wheels, truth;  ///< T_previous_robot; T_start_robot
 };
 
@@ -38,14 +38,14 @@ inline Ring driveRound() {
   const core::Pose2 T_start = T;
   const auto step = [&](const core::Pose2& motion) {
     T = T * motion;
-    robot::Scan scan;
+    lidar::Scan scan;
     const int beams = 181;
     scan.time_s = 0.2 * static_cast<double>(ring.scans.size());
     scan.first_angle_rad = -core::kPi / 2, scan.step_rad = core::kPi / (beams - 1), scan.max_range_m = 12;
     for (int i = 0; i < beams; ++i) {
       const double range_m =
           mapping::test::castRay(walls, T, scan.angle(static_cast<size_t>(i))) + noise.normal(0.01);
-      scan.ranges_m.push_back(range_m < scan.max_range_m ? static_cast<float>(range_m) : robot::kNoReturn);
+      scan.ranges_m.push_back(range_m < scan.max_range_m ? static_cast<float>(range_m) : lidar::kNoReturn);
     }
     ring.scans.push_back(scan);
     ring.wheels.push_back({1.03 * motion.x, 0, 1.04 * motion.phi + 0.01 * motion.x + noise.normal(0.002)});

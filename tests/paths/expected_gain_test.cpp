@@ -96,7 +96,7 @@ TEST(ExpectedGain, CountsWhatTheLidarCoversAndFindsTheHeadingForIt) {
 }
 
 TEST(LidarView, IsTakenFromTheScan) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.first_angle_rad = -kPi / 2;
   scan.step_rad = kPi / 180;
   scan.ranges_m.assign(181, 1.0F);

@@ -6,8 +6,8 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
-#include "libslam/core/files.h"
 #include "libslam/draw/canvas.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::pictures {
@@ -94,7 +94,7 @@ TEST_F(JournalPicture, NothingIsAPictureTooAndTheSameInputGivesTheSameBytes) {
                                                  at(61, "resampled", 0.4)};
   drawJournal(room(), straight(), events, "some", folder_ / "c.png");
   drawJournal(room(), straight(), events, "some", folder_ / "d.png");
-  EXPECT_EQ(core::fileSha256(folder_ / "c.png"), core::fileSha256(folder_ / "d.png"));
+  EXPECT_EQ(resources::fileSha256(folder_ / "c.png"), resources::fileSha256(folder_ / "d.png"));
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/draw/map_view.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::pictures {
@@ -68,7 +68,7 @@ TEST(DrawObstacles, DrawsTheSameBytesForOneToTwelvePanelsOfAnyShape) {
       const std::vector<ObstaclePanel> panels(count, example());
       drawObstacles(panels, zone, "Title", folder / "a.png");
       drawObstacles(panels, zone, "Title", folder / "b.png");
-      EXPECT_EQ(core::fileSha256(folder / "a.png"), core::fileSha256(folder / "b.png"));
+      EXPECT_EQ(resources::fileSha256(folder / "a.png"), resources::fileSha256(folder / "b.png"));
       const auto image = cv::imread(folder / "a.png", cv::IMREAD_COLOR);
       EXPECT_GE(image.cols, 600);
       EXPECT_LE(std::max(image.cols, image.rows), 2000);

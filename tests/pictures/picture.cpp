@@ -7,8 +7,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/draw/map_view.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/pictures/read_picture.h"
 
@@ -52,9 +52,9 @@ cv::Rect extentOf(const cv::Mat& image, draw::Colour colour) {
 TEST(Pictures, HaveTheSameBytesForTheSameInput) {
   const TempFolder folder;
   const auto plan = room();
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.first_angle_rad = -1, scan.step_rad = 0.1, scan.max_range_m = 5;
-  scan.ranges_m = {1, 2, robot::kNoReturn, robot::kLostReading, 3};
+  scan.ranges_m = {1, 2, lidar::kNoReturn, lidar::kLostReading, 3};
   for (const std::string name : {"a", "b"}) {
     drawPlan(plan, {{straight(1, 7, 2), "true path", true}}, "Room", folder / (name + "plan.png"));
     drawDifference(plan, plan, {0.3, 0, 0}, "Room", folder / (name + "difference.png"));
@@ -63,8 +63,8 @@ TEST(Pictures, HaveTheSameBytesForTheSameInput) {
     drawScan(scan, folder / (name + "scan.png"));
   }
   for (const std::string kind : {"plan", "difference", "panels", "scan"})
-    EXPECT_EQ(core::fileSha256(folder / ("a" + kind + ".png")),
-              core::fileSha256(folder / ("b" + kind + ".png")));
+    EXPECT_EQ(resources::fileSha256(folder / ("a" + kind + ".png")),
+              resources::fileSha256(folder / ("b" + kind + ".png")));
 }
 
 TEST(DrawPlan, ShowsWallsFreeSpaceAndPathsInTheirPlaces) {

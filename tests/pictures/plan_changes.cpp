@@ -5,8 +5,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/draw/canvas.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::pictures {
@@ -47,9 +47,9 @@ TEST(PlanChanges, ShowsWhatGoesOnlyBeforeAndWhatCameInBoth) {
   EXPECT_GT(removed, 100);
   // Both rows are as large; the closed one is drawn twice. The legend's boxes add a little to each.
   EXPECT_NEAR(1.0 * closed / removed, 2, 0.2);
-  const std::string first = core::readTextFile(path);
+  const std::string first = files::readTextFile(path);
   drawPlanChanges(before, after, changes, "test", path);
-  EXPECT_EQ(core::readTextFile(path), first);
+  EXPECT_EQ(files::readTextFile(path), first);
 }
 
 TEST(PlanChanges, DrawsPlansOfAnyShapeAndRefusesUnlikeOnes) {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <regex>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/plugin/exploring_robot.h"
 #include "libslam/plugin/simulated_lidar.h"
@@ -82,7 +82,7 @@ TEST(SimulatedLidar, GivesOdometryAndScanPerCallAndThenIsSilent) {
   sensor->doProcess();
   sensor->doProcess();
   EXPECT_TRUE(sensor->getObservations().empty());
-  EXPECT_EQ(core::readTextFile(folder / "done"), "done\n");
+  EXPECT_EQ(files::readTextFile(folder / "done"), "done\n");
 }
 
 class RawlogGrabber : public ::testing::Test {
@@ -97,7 +97,7 @@ class RawlogGrabber : public ::testing::Test {
 TEST_F(RawlogGrabber, RecordsTheSimulatedLidar) {
   constexpr int kScans = 120;
   const testing::TempFolder folder;
-  std::string config = core::readTextFile(kConfig);
+  std::string config = files::readTextFile(kConfig);
   config = withKey(config, "scans", std::to_string(kScans) + "\ndone_file = done");
   config = withKey(config, "real_time_factor", "40");
   config = withKey(config, "GRABBER_PERIOD_MS", "20");
@@ -106,7 +106,7 @@ TEST_F(RawlogGrabber, RecordsTheSimulatedLidar) {
   EXPECT_EQ(run.err.find("Exception"), std::string::npos) << run.err;
 
   const auto ini =
-      core::IniFile::parse("[LIDAR]\nplan = flat\nlidar = utm30lx\nstrategy = quadrant\n", "twin");
+      files::IniFile::parse("[LIDAR]\nplan = flat\nlidar = utm30lx\nstrategy = quadrant\n", "twin");
   ExploringRobot twin(readExploringRobotOptions(ini, "LIDAR"));
   logs::LogReader log(recordedLog(folder));
   int scans = 0;
@@ -131,7 +131,7 @@ TEST_F(RawlogGrabber, RecordsTheSimulatedLidar) {
 
 TEST_F(RawlogGrabber, RecordsAStrategyThatNeedsAMap) {
   const testing::TempFolder folder;
-  std::string config = core::readTextFile(kConfig);
+  std::string config = files::readTextFile(kConfig);
   config = withKey(config, "strategy", "nearest_frontier");
   config = withKey(config, "scans", "60\ndone_file = done");
   config = withKey(config, "real_time_factor", "40");

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/pose_graphs.h"
 #include "libslam/testing/temp_folder.h"
@@ -154,7 +154,7 @@ TEST(G2o, AGraphComesBackFromItsFile) {
     EXPECT_EQ(a.information, b.information);
   }
   writeG2oFile(read.graph, read.ids, folder / "b.g2o");
-  EXPECT_EQ(core::readTextFile(folder / "a.g2o"), core::readTextFile(folder / "b.g2o"));
+  EXPECT_EQ(files::readTextFile(folder / "a.g2o"), files::readTextFile(folder / "b.g2o"));
 }
 
 TEST(G2o, AnEdgeThatIsOffStaysOutOfTheFile) {

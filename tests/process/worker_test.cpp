@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/process/measured_process.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -52,7 +52,7 @@ TEST_F(WorkerCopy, ACopyOfThisProcessSaysWhatItPrintsAndReturns) {
   EXPECT_EQ(result.exit_code, 7);
   EXPECT_FALSE(result.killed);
   EXPECT_EQ(result.out, "out");
-  EXPECT_EQ(core::readTextFile(folder / "stderr.txt"), "err");
+  EXPECT_EQ(files::readTextFile(folder / "stderr.txt"), "err");
   EXPECT_EQ(changed, 1);
 }
 

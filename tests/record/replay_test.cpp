@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/odometry/scan_odometry.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/resources.h"
 #include "libslam/sim/operation_log.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -34,13 +34,13 @@ core::Trajectory originalDeadReckoning(const std::string& log_path,
 /// The operation log says all that the original dead reckoning does, for a lidar that looks back (two
 /// readings of every move) and one that does not, and one whose beams end without a return.
 TEST(ReplayOperations, GivesThePathOfTheOriginalDeadReckoningOnTheSameLog) {
-  const auto plan = world::loadPlan(core::resolvePlan("flat"));
+  const auto plan = world::loadPlan(resources::resolvePlan("flat"));
   struct Lidar {
     const char *fov_deg, *max_range_m, *drop_out;
   };
   for (const Lidar& lidar : {Lidar{"360", "30", "0"}, {"180", "30", "0"}, {"360", "1.5", "0.05"}}) {
     const testing::TempFolder folder;
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "60", "test");
     ini.set("lidar", "beams", "180", "test");
     ini.set("lidar", "fov_deg", lidar.fov_deg, "test");
@@ -48,7 +48,7 @@ TEST(ReplayOperations, GivesThePathOfTheOriginalDeadReckoningOnTheSameLog) {
     ini.set("lidar", "drop_out", lidar.drop_out, "test");
     const std::string log_path = folder / "run.rawlog", operations_path = folder / "run.operations.txt";
     record(plan, readRecordConfig(ini), 5, log_path, {}, core::silentProgress());
-    const auto operations = sim::parseOperations(core::readTextFile(operations_path), operations_path);
+    const auto operations = sim::parseOperations(files::readTextFile(operations_path), operations_path);
     const auto replayed = sim::replayOperations(operations);
     const auto scans = logs::inspectLog(log_path).scans;
     const auto every_scan =

@@ -4,14 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "libslam/core/error.h"
-#include "libslam/explore/reach_goal.h"
+#include "libslam/reach/reach_goal.h"
 #include "libslam/record/record.h"
 
 namespace slam::record {
 namespace {
 
-core::IniFile ini(const std::string& text) {
-  return core::IniFile::parse(text, "a.ini");
+files::IniFile ini(const std::string& text) {
+  return files::IniFile::parse(text, "a.ini");
 }
 
 std::string errorOf(const std::string& text) {
@@ -30,16 +30,16 @@ TEST(Sensors, AreALidarUnlessACameraIsAskedFor) {
   ASSERT_TRUE(config.camera);
   EXPECT_NEAR(config.camera->view.pitch_rad, core::degToRad(30), 1e-12);
   EXPECT_EQ(config.lidar.max_range_m, robot::asLidar(*config.camera).max_range_m);
-  EXPECT_TRUE(explore::readReachGoalConfig(ini("[sensor]\nkind = camera\n")).camera);
+  EXPECT_TRUE(reach::readReachGoalConfig(ini("[sensor]\nkind = camera\n")).camera);
 }
 
 TEST(Sensors, WithANarrowViewDriveByTheLocalObstacleMapUnlessToldOtherwise) {
   EXPECT_EQ(readRecordConfig(ini("")).strategy.memory, "none");
   EXPECT_EQ(readRecordConfig(ini("[sensor]\nkind = camera\n")).strategy.memory, "local_map");
   EXPECT_EQ(readRecordConfig(ini("[sensor]\nkind = camera\n")).strategy.unseen, "looked_at");
-  EXPECT_EQ(explore::readReachGoalConfig(ini("[sensor]\nkind = camera\n")).navigate.memory, "local_map");
-  EXPECT_EQ(explore::readReachGoalConfig(ini("[sensor]\nkind = camera\n")).navigate.unseen, "looked_at");
-  EXPECT_EQ(explore::readReachGoalConfig(ini("")).navigate.unseen, "free");
+  EXPECT_EQ(reach::readReachGoalConfig(ini("[sensor]\nkind = camera\n")).navigate.memory, "local_map");
+  EXPECT_EQ(reach::readReachGoalConfig(ini("[sensor]\nkind = camera\n")).navigate.unseen, "looked_at");
+  EXPECT_EQ(reach::readReachGoalConfig(ini("")).navigate.unseen, "free");
   const std::string told = "[sensor]\nkind = camera\n[strategy]\nmemory = none\n";
   EXPECT_EQ(readRecordConfig(ini(told)).strategy.memory, "none");
   EXPECT_EQ(

@@ -3,13 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/record/carry_file.h"
+#include "libslam/resources/resources.h"
 #include "libslam/sim/operation_log.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/truth/carry_file.h"
 
 namespace slam::record {
 namespace {
@@ -21,16 +21,16 @@ class UserDriveTest : public ::testing::Test {
     ini_.set("simulation", "start", "3 3 0", "test");
   }
   UserDrive drive(const std::string& commands) {
-    return recordUserCommands(world::loadPlan(core::resolvePlan("flat")), readRecordConfig(ini_), 4,
+    return recordUserCommands(world::loadPlan(resources::resolvePlan("flat")), readRecordConfig(ini_), 4,
                               folder_ / "run.rawlog", robot::parseUserCommands(commands, "test"), {},
                               core::silentProgress());
   }
   std::vector<sim::Operation> operations() const {
-    return sim::parseOperations(core::readTextFile(folder_ / "run.operations.txt"), "operations");
+    return sim::parseOperations(files::readTextFile(folder_ / "run.operations.txt"), "operations");
   }
 
   const testing::TempFolder folder_;
-  core::IniFile ini_;
+  files::IniFile ini_;
 };
 
 TEST_F(UserDriveTest, OneScanAndOneEntryOfTheLogPerWholeCommand) {
@@ -86,19 +86,19 @@ TEST_F(UserDriveTest, ACarryIsNoCommandAndNoWay) {
   const auto truth = logs::readTum(folder_ / "run.gt.tum");
   EXPECT_NEAR(truth.back().pose.x, 11, 1e-5);
   EXPECT_GT(truth.back().pose.y, 3.4);
-  const auto carries = readCarryFile(carriesPath(folder_ / "run.rawlog"));
+  const auto carries = truth::readCarryFile(truth::carriesPath(folder_ / "run.rawlog"));
   ASSERT_EQ(carries.size(), 1U);
   EXPECT_NEAR(carries[0].time_s - truth.front().time_s, 1, 1e-3);
   EXPECT_EQ(carries[0].T_world_to.x, 11);
-  EXPECT_EQ(carryText(carries[0], truth.front().time_s).substr(0, 19), "kidnapped at 1.0 s ");
+  EXPECT_EQ(truth::carryText(carries[0], truth.front().time_s).substr(0, 19), "kidnapped at 1.0 s ");
   double odometry_m = 0;
   logs::LogReader log(folder_ / "run.rawlog");
   while (const auto entry = log.next()) odometry_m = entry->T_odom_robot.x;
   EXPECT_NEAR(odometry_m, 1.5, 0.2);  // the wheels turned as told
   ini_.set("events", "carry", "none", "test");
   drive("move 1\n");
-  EXPECT_TRUE(
-      readCarryFile(carriesPath(folder_ / "run.gt.tum")).empty());  // that of the drive before is gone
+  EXPECT_TRUE(truth::readCarryFile(truth::carriesPath(folder_ / "run.gt.tum"))
+                  .empty());  // that of the drive before is gone
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/draw/page_text.h"
+#include "libslam/files/files.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
 
@@ -29,8 +29,8 @@ world::Plan room() {
   return plan;
 }
 
-robot::Scan scan(double time_s, size_t beams) {
-  robot::Scan scan;
+lidar::Scan scan(double time_s, size_t beams) {
+  lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = -1;
   scan.step_rad = 2.0 / static_cast<double>(beams);
@@ -135,8 +135,8 @@ TEST(HtmlReport, TheSamePageGivesTheSameBytes) {
 
 TEST(HtmlReport, TheBundleIsInsideUnchanged) {
   const std::string folder = std::string(RASTERSLAM_SOURCE_DIR) + "/libslam/report/page/bundle";
-  EXPECT_EQ(core::readTextFile(folder + "/page.js"), kPageScript);
-  EXPECT_EQ(core::readTextFile(folder + "/page.css"), kPageStyle);
+  EXPECT_EQ(files::readTextFile(folder + "/page.js"), kPageScript);
+  EXPECT_EQ(files::readTextFile(folder + "/page.css"), kPageStyle);
   EXPECT_THAT(toHtml(smallPage()), HasSubstr(kPageScript));
 }
 

@@ -70,12 +70,12 @@ TEST(FloorCameras, GiveAScanFromTheDeadZoneToTheFarEdgeOrTheReach) {
   EXPECT_EQ(lidar.mount_x_m, 0.2);
   EXPECT_EQ(lidar.mount_y_m, -0.05);
   EXPECT_EQ(lidar.mount_yaw_rad, 0);
-  EXPECT_NEAR(beamStep(lidar), degToRad(0.5), 1e-12);
+  EXPECT_NEAR(lidar::beamStep(lidar), degToRad(0.5), 1e-12);
   // As far aside as the near corner: Xm / Ymin there, rounded inwards to a whole bearing.
   const auto floor = visibleFloor(eye.view);
   const double corner_rad = std::atan2(floor.halfWidth_m(floor.nearest_m), floor.nearest_m - floor.x_m);
-  EXPECT_LE(-firstAngle(lidar), corner_rad);
-  EXPECT_GT(-firstAngle(lidar), corner_rad - degToRad(0.5) - 1e-9);
+  EXPECT_LE(-lidar::firstAngle(lidar), corner_rad);
+  EXPECT_GT(-lidar::firstAngle(lidar), corner_rad - degToRad(0.5) - 1e-9);
   // All of the depth only within the trapezoid's slope, cos(pitch) tan(FOVx / 2).
   EXPECT_NEAR(wholeHalfAngle(eye), std::atan(std::cos(degToRad(25)) * std::tan(degToRad(30))), degToRad(2));
   eye = camera(0.5, 40);
@@ -86,8 +86,8 @@ TEST(FloorCameras, OfTheDocumentSeeAWedgeWithoutAFarEdge) {
   auto eye = camera(0.5, 40);
   eye.view.area = "original";
   EXPECT_EQ(asLidar(eye).max_range_m, 4);
-  EXPECT_NEAR(-firstAngle(asLidar(eye)), degToRad(30), degToRad(0.5) + 1e-9) << "Xm = y tan(FOVx / 2)";
-  EXPECT_NEAR(wholeHalfAngle(eye), -firstAngle(asLidar(eye)), 1e-12);
+  EXPECT_NEAR(-lidar::firstAngle(asLidar(eye)), degToRad(30), degToRad(0.5) + 1e-9) << "Xm = y tan(FOVx / 2)";
+  EXPECT_NEAR(wholeHalfAngle(eye), -lidar::firstAngle(asLidar(eye)), 1e-12);
 }
 
 TEST(FloorCameras, ThatCannotWorkAreRefusedInOneLineThatNamesTheKey) {
@@ -120,13 +120,13 @@ TEST(FloorCameras, TellFreeFloorFromObstaclesAndFromWhatTheyCannotSee) {
     return ranges_m[beam];
   };
   EXPECT_NEAR(reading(middle, 2), 2, 1e-6);
-  EXPECT_EQ(reading(middle, kInfinity), kNoReturn);
-  EXPECT_EQ(reading(middle, 4.001), kNoReturn) << "beyond the reach";
+  EXPECT_EQ(reading(middle, kInfinity), lidar::kNoReturn);
+  EXPECT_EQ(reading(middle, 4.001), lidar::kNoReturn) << "beyond the reach";
   EXPECT_TRUE(std::isnan(reading(middle, 0.458))) << "in the dead zone";
   EXPECT_NEAR(reading(middle, 0.459), 0.459, 1e-6);
   EXPECT_TRUE(std::isnan(reading(0, kInfinity))) << "the picture's side ends the floor";
   EXPECT_TRUE(std::isnan(reading(0, 2)));
-  const auto span = bearingSpan(eye, firstAngle(lidar));
+  const auto span = bearingSpan(eye, lidar::firstAngle(lidar));
   EXPECT_NEAR(reading(0, (span.begin_m + span.end_m) / 2), (span.begin_m + span.end_m) / 2, 1e-6);
 }
 
@@ -137,7 +137,7 @@ TEST(FloorCameras, ErrWithTheSquareOfTheDistance) {
   const double angle_rad = std::atan2(0.5, 3.0);
   const double slope = (0.5 / std::tan(angle_rad - 1e-6) - 0.5 / std::tan(angle_rad + 1e-6)) / 2e-6;
   EXPECT_NEAR(edgeSigma(eye, 3), slope * degToRad(0.05), 1e-8);
-  EXPECT_EQ(statedSigma(asLidar(eye)), edgeSigma(eye, 3));
+  EXPECT_EQ(lidar::statedSigma(asLidar(eye)), edgeSigma(eye, 3));
 
   core::RandomStream random(7, "camera");
   const auto lidar = asLidar(eye);

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
+#include "libslam/lidar/lidar.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/lidar.h"
-#include "libslam/robot/mrpt_types.h"
 #include "libslam/robot/odometry_noise.h"
 
 namespace slam::robot {
@@ -94,34 +94,34 @@ TEST(SampleOdometry, SystematicErrorsGrowWithTheDistance) {
 }
 
 TEST(Lidar, FullCircleHasNoDoubledBeam) {
-  LidarOptions options;
+  lidar::LidarOptions options;
   options.fov_rad = 2 * kPi, options.beams = 360;
-  EXPECT_DOUBLE_EQ(beamStep(options), degToRad(1));
-  EXPECT_EQ(firstAngle(options), -kPi);
+  EXPECT_DOUBLE_EQ(lidar::beamStep(options), degToRad(1));
+  EXPECT_EQ(lidar::firstAngle(options), -kPi);
   options.fov_rad = kPi, options.beams = 181;
-  EXPECT_DOUBLE_EQ(beamStep(options), degToRad(1));
-  EXPECT_EQ(firstAngle(options), -kPi / 2);
+  EXPECT_DOUBLE_EQ(lidar::beamStep(options), degToRad(1));
+  EXPECT_EQ(lidar::firstAngle(options), -kPi / 2);
 }
 
 TEST(LidarErrors, LimitsComeOutAsTheTwoKindsOfNothing) {
-  LidarOptions options;
+  lidar::LidarOptions options;
   options.sigma_m = 0, options.min_range_m = 0.5, options.max_range_m = 10;
   core::RandomStream random(1, "lidar");
-  std::vector<float> ranges = {0.4F, 0.6F, 9.9F, 10.1F, kNoReturn};
-  applyLidarErrors(options, random, ranges);
+  std::vector<float> ranges = {0.4F, 0.6F, 9.9F, 10.1F, lidar::kNoReturn};
+  lidar::applyLidarErrors(options, random, ranges);
   EXPECT_TRUE(std::isnan(ranges[0]));
   EXPECT_EQ(ranges[1], 0.6F);
   EXPECT_EQ(ranges[2], 9.9F);
-  EXPECT_EQ(ranges[3], kNoReturn);
-  EXPECT_EQ(ranges[4], kNoReturn);
+  EXPECT_EQ(ranges[3], lidar::kNoReturn);
+  EXPECT_EQ(ranges[4], lidar::kNoReturn);
 }
 
 TEST(LidarErrors, NoiseAndDropOutsHaveTheStatedSize) {
-  LidarOptions options;
+  lidar::LidarOptions options;
   options.sigma_m = 0.03, options.drop_out = 0.1, options.min_range_m = 0;
   core::RandomStream random(2, "lidar");
   std::vector<float> ranges(100000, 5.0F);
-  applyLidarErrors(options, random, ranges);
+  lidar::applyLidarErrors(options, random, ranges);
   int lost = 0;
   double sum = 0, squares = 0;
   for (const float r : ranges) {
@@ -138,33 +138,33 @@ TEST(LidarErrors, NoiseAndDropOutsHaveTheStatedSize) {
 }
 
 TEST(LidarErrors, SwitchingDropOutsOffMovesNoOtherReading) {
-  LidarOptions with, without;
+  lidar::LidarOptions with, without;
   with.drop_out = 0.5;
   core::RandomStream a(3, "lidar"), b(3, "lidar");
   std::vector<float> x(200, 4.0F), y(200, 4.0F);
-  applyLidarErrors(with, a, x);
-  applyLidarErrors(without, b, y);
+  lidar::applyLidarErrors(with, a, x);
+  lidar::applyLidarErrors(without, b, y);
   for (size_t i = 0; i < x.size(); ++i)
     if (!std::isnan(x[i])) {
       EXPECT_EQ(x[i], y[i]);
     }
 }
 
-Scan exampleScan() {
-  Scan scan;
+lidar::Scan exampleScan() {
+  lidar::Scan scan;
   scan.time_s = 1700000000.25;
   scan.first_angle_rad = degToRad(-60);
   scan.step_rad = degToRad(30);
   scan.max_range_m = 8;
   scan.range_sigma_m = 0.01;
   scan.T_robot_lidar = {0.1, -0.2, degToRad(15)};
-  scan.ranges_m = {1.5F, kNoReturn, kLostReading, 7.5F, 2.0F, 3.0F};
+  scan.ranges_m = {1.5F, lidar::kNoReturn, lidar::kLostReading, 7.5F, 2.0F, 3.0F};
   return scan;
 }
 
 TEST(MrptScan, KeepsBeamsWhereTheyPoint) {
-  const Scan scan = exampleScan();  // from -60 to +90 degrees: not centred
-  const Scan back = fromMrpt(*toMrpt(scan));
+  const lidar::Scan scan = exampleScan();  // from -60 to +90 degrees: not centred
+  const lidar::Scan back = lidar::fromMrpt(*lidar::toMrpt(scan));
   ASSERT_EQ(back.ranges_m.size(), scan.ranges_m.size());
   EXPECT_NEAR(back.time_s, scan.time_s, 1e-7);  // MRPT's tick
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
@@ -180,32 +180,32 @@ TEST(MrptScan, KeepsBeamsWhereTheyPoint) {
 }
 
 TEST(MrptScan, TurnsAClockwiseSweepRound) {
-  auto observation = *toMrpt(exampleScan());
+  auto observation = *lidar::toMrpt(exampleScan());
   observation.rightToLeft = false;
-  const Scan back = fromMrpt(observation);
+  const lidar::Scan back = lidar::fromMrpt(observation);
   EXPECT_EQ(back.ranges_m.front(), 3.0F);
   EXPECT_EQ(back.ranges_m.back(), 1.5F);
 }
 
 TEST(MrptScan, RefusesWhatIsNoScan) {
-  Scan one = exampleScan();
+  lidar::Scan one = exampleScan();
   one.ranges_m.resize(1);
-  EXPECT_THROW(toMrpt(one), core::ContractError);
-  auto observation = *toMrpt(exampleScan());
+  EXPECT_THROW(lidar::toMrpt(one), core::ContractError);
+  auto observation = *lidar::toMrpt(exampleScan());
   observation.aperture = 0;
-  EXPECT_THROW(fromMrpt(observation), core::InputError);
-  observation = *toMrpt(exampleScan());
+  EXPECT_THROW(lidar::fromMrpt(observation), core::InputError);
+  observation = *lidar::toMrpt(exampleScan());
   observation.resizeScan(1);
-  EXPECT_THROW(fromMrpt(observation), core::InputError);
+  EXPECT_THROW(lidar::fromMrpt(observation), core::InputError);
 }
 
 TEST(ScanPoints, AreInTheRobotFrame) {
-  Scan scan;
+  lidar::Scan scan;
   scan.first_angle_rad = 0;
   scan.step_rad = kPi / 2;
   scan.T_robot_lidar = {1, 0, kPi / 2};
-  scan.ranges_m = {2, kNoReturn, 3, kLostReading};
-  const auto points = scanPoints(scan);
+  scan.ranges_m = {2, lidar::kNoReturn, 3, lidar::kLostReading};
+  const auto points = lidar::scanPoints(scan);
   ASSERT_EQ(points.size(), 2U);
   EXPECT_NEAR(points[0].x, 1, 1e-15);
   EXPECT_NEAR(points[0].y, 2, 1e-15);

@@ -6,13 +6,14 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
@@ -29,15 +30,15 @@ class TwoHalves : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new testing::TempFolder;
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "40", "test");
     ini.set("lidar", "beams", "181", "test");
     const std::string whole = *folder_ / "whole.rawlog";
-    record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
-                   core::silentProgress());
+    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole,
+                   {}, core::silentProgress());
     logs::LogReader log(whole);
-    logs::LogWriter first(*folder_ / "first.rawlog", logs::RawlogForm::kActionFrame);
-    logs::LogWriter second(*folder_ / "second.rawlog", logs::RawlogForm::kActionFrame);
+    logs::LogWriter first(*folder_ / "first.rawlog", rawlogs::RawlogForm::kActionFrame);
+    logs::LogWriter second(*folder_ / "second.rawlog", rawlogs::RawlogForm::kActionFrame);
     for (int i = 0; const auto entry = log.next(); ++i) (i < 100 ? first : second).write(*entry);
     first.close();
     second.close();
@@ -50,7 +51,7 @@ class TwoHalves : public ::testing::Test {
   }
   static core::Pose2 build(const std::string& method, const std::string& log,
                            const Continuation& continuation, const std::string& output = "") {
-    const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", method);
+    const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", method);
     const std::string folder = *folder_ / (output.empty() ? log : output);
     buildMap(*folder_ / (log + ".rawlog"), config, method, 1, folder, true, {}, core::silentProgress(), false,
              continuation);
@@ -67,10 +68,11 @@ TEST_F(TwoHalves, ContinuedEndsWhereTheWholeDoes) {
   // Each closes the same loops in another order; the flat's walls hold both to a few millimetres.
   EXPECT_LT(core::distance(end, whole_), 0.03);
   EXPECT_LT(std::abs(core::angleDifference(end.phi, whole_.phi)), core::degToRad(0.5));
-  const auto manifest = core::readManifest(*folder_ / "both/manifest.json");
+  const auto manifest = resources::readManifest(*folder_ / "both/manifest.json");
   EXPECT_EQ(manifest.results.at("continues"), *folder_ / "first");
   EXPECT_EQ(manifest.inputs.count(*folder_ / "first/map.simplemap"), 1U);
-  EXPECT_NE(core::fileSha256(*folder_ / "both/map.png"), core::fileSha256(*folder_ / "first/map.png"));
+  EXPECT_NE(resources::fileSha256(*folder_ / "both/map.png"),
+            resources::fileSha256(*folder_ / "first/map.png"));
 }
 
 TEST_F(TwoHalves, OfOtherMethodsToo) {
@@ -86,10 +88,10 @@ TEST_F(TwoHalves, LocalisingKeepsTheMapsBytes) {
       build("graph", "second", {*folder_ / "whole", true, endOfRun(*folder_ / "first")}, "localised");
   EXPECT_LT(core::distance(end, whole_), 0.03);
   for (const std::string file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap"})
-    EXPECT_EQ(core::fileSha256(*folder_ / ("localised/" + file)),
-              core::fileSha256(*folder_ / ("whole/" + file)))
+    EXPECT_EQ(resources::fileSha256(*folder_ / ("localised/" + file)),
+              resources::fileSha256(*folder_ / ("whole/" + file)))
         << file;
-  EXPECT_EQ(core::readManifest(*folder_ / "localised/manifest.json").results.at("localised_in"),
+  EXPECT_EQ(resources::readManifest(*folder_ / "localised/manifest.json").results.at("localised_in"),
             *folder_ / "whole");
 }
 
@@ -98,8 +100,8 @@ TEST_F(TwoHalves, AStartElsewhereIsTaken) {
   moved.x += 0.05;
   build("icp", "first", {}, "icp_first");
   build("icp", "second", {*folder_ / "icp_first", true, moved}, "moved");
-  const auto manifest = core::readManifest(*folder_ / "moved/manifest.json");
-  EXPECT_EQ(manifest.results.at("start.x_m"), core::formatNumber(moved.x));
+  const auto manifest = resources::readManifest(*folder_ / "moved/manifest.json");
+  EXPECT_EQ(manifest.results.at("start.x_m"), files::formatNumber(moved.x));
 }
 
 TEST_F(TwoHalves, MethodsThatCannotSaySo) {
@@ -113,7 +115,7 @@ TEST_F(TwoHalves, MethodsThatCannotSaySo) {
               }),
               HasSubstr("nowhere/manifest.json: no such file"));
   build("graph", "first", {}, "broken");
-  core::writeFileAtomically(*folder_ / "broken/map.simplemap", "not a map");
+  files::writeFileAtomically(*folder_ / "broken/map.simplemap", "not a map");
   EXPECT_THAT(errorOf([&] {
                 build("graph", "second", {*folder_ / "broken", false, {}}, "x");
               }),
@@ -124,7 +126,7 @@ TEST_F(TwoHalves, MethodsThatCannotSaySo) {
 // Intel's stamps run back, so that the path through trajectory.tum, which is in the order of stamps, goes
 // back and forth.
 TEST_F(TwoHalves, LengthAndEndAreThoseOfTheLogsOrder) {
-  auto run = loadRun(*folder_ / "whole");
+  auto run = results::loadRun(*folder_ / "whole");
   const auto as_run = score::evaluate(run, {});
   std::swap(run.estimate[20].pose, run.estimate[90].pose);
   std::swap(run.estimate.front().pose, run.estimate.back().pose);
@@ -137,7 +139,7 @@ TEST_F(TwoHalves, LengthAndEndAreThoseOfTheLogsOrder) {
 }
 
 TEST_F(TwoHalves, ARunThatEndsLostHasItsFiguresAndANote) {
-  auto run = loadRun(*folder_ / "whole");
+  auto run = results::loadRun(*folder_ / "whole");
   run.manifest.results["lost"] = "lost at scan 90 (18.0 s)";
   const auto evaluation = score::evaluate(run, {});
   EXPECT_GT(evaluation.path_length_m, 1);
@@ -148,18 +150,18 @@ TEST_F(TwoHalves, ARunThatEndsLostHasItsFiguresAndANote) {
 // `rasterslam run` ends with exit code 4 then; the files are all there.
 TEST_F(TwoHalves, AComparisonShowsTheFiguresOfARunThatEndsLost) {
   const std::string program = *folder_ / "lost.sh";
-  core::writeFileAtomically(program,
-                            "#!/bin/sh\n"
-                            "cp -r '" +
-                                (*folder_ / "whole") + "' \"$5\"\n" +
-                                R"(sed -i 's/"results": {/&"lost": "lost at scan 90",/' "$5/manifest.json")"
-                                "\n" +
-                                R"(echo '{"lost": "lost at scan 90"}')"
-                                "\nexit 4\n");
+  files::writeFileAtomically(program,
+                             "#!/bin/sh\n"
+                             "cp -r '" +
+                                 (*folder_ / "whole") + "' \"$5\"\n" +
+                                 R"(sed -i 's/"results": {/&"lost": "lost at scan 90",/' "$5/manifest.json")"
+                                 "\n" +
+                                 R"(echo '{"lost": "lost at scan 90"}')"
+                                 "\nexit 4\n");
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   score::CompareRequest request;
   request.log_path = *folder_ / "whole.rawlog";
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.methods = {"graph"};
   request.output = *folder_ / "compared";
   request.program = program;

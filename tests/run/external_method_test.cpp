@@ -9,13 +9,15 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/manifest.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/manifest.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/score/compare.h"
 #include "libslam/sweep/sweep_plan.h"
@@ -124,11 +126,11 @@ class External : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new testing::TempFolder;
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "8", "test");
     ini.set("lidar", "beams", "181", "test");
-    record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(ini), 1, log(), {},
-                   core::silentProgress());
+    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, log(),
+                   {}, core::silentProgress());
   }
   static void TearDownTestSuite() {
     delete folder_;
@@ -139,16 +141,16 @@ class External : public ::testing::Test {
   /// An .ini beside which nothing else lies.
   std::string method(const std::string& command, const std::string& more = "") {
     const std::string path = here_ / "mine.ini";
-    core::writeFileAtomically(path, "[method]\ntype = external\ncommand = " + command + "\n" + more);
+    files::writeFileAtomically(path, "[method]\ntype = external\ncommand = " + command + "\n" + more);
     return path;
   }
   ExternalRun run(const std::string& command, const std::string& more = "") {
-    const auto external = readExternalMethod(core::IniFile::load(method(command, more)));
+    const auto external = readExternalMethod(resources::readConfigFile(method(command, more)));
     return runExternalMethod(external, log(), 7, here_ / "work", core::silentProgress());
   }
   std::string errorOfConfig(const std::string& command, const std::string& more = "") {
     const auto path = method(command, more);
-    return errorOf([&] { readExternalMethod(core::IniFile::load(path)); });
+    return errorOf([&] { readExternalMethod(resources::readConfigFile(path)); });
   }
 
   testing::TempFolder here_;
@@ -161,10 +163,10 @@ const std::string kWheels =
     R"(awk '{ print $1, $2, $3, 0, 0, 0, sin($4 / 2), cos($4 / 2) }' {scans} > {output})";
 
 TEST_F(External, AProgramIsAMethodWithARunFolderOfItsOwn) {
-  const auto config = core::IniFile::load(method(kWheels, "[mapping]\nresolution_m = 0.1\n"));
+  const auto config = resources::readConfigFile(method(kWheels, "[mapping]\nresolution_m = 0.1\n"));
   const auto run = buildMap(log(), config, "mine", 1, here_ / "out", false, {}, core::silentProgress());
   const auto ours =
-      buildMap(log(), mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel"),
+      buildMap(log(), mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel"),
                "naive_wheel", 1, here_ / "wheels", false, {}, core::silentProgress());
   ASSERT_EQ(run.estimate.size(), ours.estimate.size());
   EXPECT_NEAR(run.end.x, ours.end.x, 1e-6);
@@ -174,7 +176,7 @@ TEST_F(External, AProgramIsAMethodWithARunFolderOfItsOwn) {
   EXPECT_TRUE(fs::exists(here_ / "out/printed.txt"));
   EXPECT_FALSE(fs::exists(here_ / "out/timing.csv"));
   EXPECT_FALSE(fs::exists(here_ / "out/work"));
-  const auto folder = loadRun(here_ / "out");
+  const auto folder = results::loadRun(here_ / "out");
   EXPECT_EQ(folder.map.resolution_m, 0.1);
   EXPECT_EQ(folder.manifest.config.at("method.type"), "external");
   EXPECT_TRUE(std::isnan(folder.cost.p99_ms_per_scan));
@@ -183,7 +185,7 @@ TEST_F(External, AProgramIsAMethodWithARunFolderOfItsOwn) {
 TEST_F(External, IsARowOfAComparison) {
   score::CompareRequest request;
   request.log_path = log();
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.methods = {method(kWheels), "naive_wheel"};
   request.output = here_ / "out";
   const auto comparison = score::compare(request, {}, core::silentProgress());
@@ -195,18 +197,19 @@ TEST_F(External, IsARowOfAComparison) {
 }
 
 TEST_F(External, ItsFilesAreAPartOfIt) {
-  const auto config = [&](const std::string& command) { return core::IniFile::load(method(command)); };
+  const auto config = [&](const std::string& command) { return resources::readConfigFile(method(command)); };
   const std::string script = here_ / "my slam.sh";
-  core::writeFileAtomically(script, kWheels);
+  files::writeFileAtomically(script, kWheels);
   const auto shell = programFiles(config("sh {output}"));
   ASSERT_EQ(shell.size(), 1U);
   EXPECT_EQ(fs::path(shell.begin()->first).filename(), "sh");
   const auto [sh, hash] = *shell.begin();
   using Files = std::map<std::string, std::string>;
   EXPECT_EQ(programFiles(config("A=1 sh {here}/'my slam.sh' sh {log} {output} no/such")),
-            (Files{{sh, hash}, {script, core::fileSha256(script)}}));
-  EXPECT_EQ(programFiles(config("no_such_program {output} && sh --rcfile=" + core::shellQuoted({script}))),
-            (Files{{sh, hash}, {script, core::fileSha256(script)}}));
+            (Files{{sh, hash}, {script, resources::fileSha256(script)}}));
+  EXPECT_EQ(
+      programFiles(config("no_such_program {output} && sh --rcfile=" + resources::shellQuoted({script}))),
+      (Files{{sh, hash}, {script, resources::fileSha256(script)}}));
   EXPECT_EQ(programFiles(config("\"" + sh + "\" {here} sh >{output} 2>> {here}/'my slam.sh'")),
             (Files{{sh, hash}}));
 }
@@ -214,16 +217,16 @@ TEST_F(External, ItsFilesAreAPartOfIt) {
 TEST_F(External, ChangedFilesAreAnotherMethod) {
   const std::string script = here_ / "slam.sh";
   const auto write = [&](const std::string& end) {
-    core::writeFileAtomically(script,
-                              "awk '{ print $1, $2, $3, 0, 0, 0, sin($4 / 2), cos($4 / 2) }' $1 > $2" + end);
+    files::writeFileAtomically(script,
+                               "awk '{ print $1, $2, $3, 0, 0, 0, sin($4 / 2), cos($4 / 2) }' $1 > $2" + end);
   };
   write("");
   score::CompareRequest request;
   request.log_path = log();
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.methods = {method("sh {here}/slam.sh {scans} {output}")};
   request.output = here_ / "out";
-  core::writeFileAtomically(here_ / "suite.ini", "[suite]\nworlds = flat\nmethods = mine.ini\nseeds = 1\n");
+  files::writeFileAtomically(here_ / "suite.ini", "[suite]\nworlds = flat\nmethods = mine.ini\nseeds = 1\n");
   score::compare(request, {}, core::silentProgress());
   const auto id = sweep::planSweep(here_ / "suite.ini").plan.runs.at(0).id;
   request.resume = true;
@@ -241,13 +244,13 @@ TEST_F(External, SeesNoTruthAndWorksInAnEmptyFolder) {
     const std::string tail = x + " 0 0 " + x + " 0 0 100" + x.substr(1) + " host 0\n";
     text += "TRUEPOS " + tail + "FLASER 180 " + readings + tail;
   }
-  core::writeFileAtomically(here_ / "robot.clf", text);
+  files::writeFileAtomically(here_ / "robot.clf", text);
   for (const std::string form : {"carmen", "observation"}) {
     const auto ini = method(
         "find {workdir} {workdir}/.. -type f && test -z \"$(ls)\" && ! grep -q TRUE {log} && " + kWheels,
         "log = " + form + "\n");
-    const auto result = runExternalMethod(readExternalMethod(core::IniFile::load(ini)), here_ / "robot.clf",
-                                          1, here_ / "work", core::silentProgress());
+    const auto result = runExternalMethod(readExternalMethod(resources::readConfigFile(ini)),
+                                          here_ / "robot.clf", 1, here_ / "work", core::silentProgress());
     EXPECT_THAT(result.violations, IsEmpty()) << result.printed;
     EXPECT_THAT(result.printed, HasSubstr(form == "carmen" ? "log.clf" : "log.rawlog"));
     // The log and the scans.
@@ -293,7 +296,7 @@ TEST_F(External, ItsFilesAreNotReadBeyondWhatAPathCanTake) {
 }
 
 TEST_F(External, AViolationIsAMethodThatFailedAndLeavesNothing) {
-  const auto config = core::IniFile::load(method("exit 9 {output}"));
+  const auto config = resources::readConfigFile(method("exit 9 {output}"));
   try {
     buildMap(log(), config, "mine", 1, here_ / "out", false, {}, core::silentProgress());
     FAIL() << "no error";
@@ -311,28 +314,28 @@ TEST_F(External, AMisspeltConfigurationIsOneClearLine) {
   EXPECT_THAT(errorOfConfig("x {log}"), HasSubstr("found no {output}"));
   EXPECT_THAT(errorOfConfig(kWheels, "log = bag\n"), HasSubstr("key 'log': found 'bag'"));
   EXPECT_THAT(errorOfConfig(kWheels, "[graph]\n a = 1\n"), HasSubstr("graph"));
-  core::writeFileAtomically(here_ / "none.ini", "[method]\ntype = external\n");
-  EXPECT_THAT(errorOf([&] { readExternalMethod(core::IniFile::load(here_ / "none.ini")); }),
+  files::writeFileAtomically(here_ / "none.ini", "[method]\ntype = external\n");
+  EXPECT_THAT(errorOf([&] { readExternalMethod(resources::readConfigFile(here_ / "none.ini")); }),
               HasSubstr("none.ini:2: section [method]: key 'command' is missing"));
 }
 
 TEST_F(External, EveryShippedOneIsSound) {
-  const std::string folder = core::configsFolder() + "/plugins";
-  const auto names = core::namesInFolder(folder, ".ini");
+  const std::string folder = resources::configsFolder() + "/plugins";
+  const auto names = resources::namesInFolder(folder, ".ini");
   EXPECT_GE(names.size(), 3U);
   for (const auto& name : names)
-    EXPECT_EQ(readExternalMethod(core::IniFile::load(folder + "/" + name + ".ini")).folder, folder);
+    EXPECT_EQ(readExternalMethod(resources::readConfigFile(folder + "/" + name + ".ini")).folder, folder);
 }
 
 /// MRPT's programs as they are shipped, by name; skipped where they are not installed.
 class Shipped : public External {
  protected:
   MapRun build(const std::string& config, const std::string& name) {
-    return buildMap(log(), core::IniFile::load(config), name, 1, here_ / name, false, {},
+    return buildMap(log(), resources::readConfigFile(config), name, 1, here_ / name, false, {},
                     core::silentProgress());
   }
   static std::string plugin(const std::string& name) {
-    return core::configsFolder() + "/plugins/" + name + ".ini";
+    return resources::configsFolder() + "/plugins/" + name + ".ini";
   }
   static double error(const MapRun& run) {
     return metrics::trajectoryError(logs::readTum(*folder_ / "run.gt.tum"), run.estimate).position_m.rmse;
@@ -343,7 +346,7 @@ TEST_F(Shipped, IcpSlamGivesThePathOfOurIcp) {
   if (!testing::programExists("icp-slam"))
     GTEST_SKIP() << "icp-slam (Debian package mrpt-apps) is not installed";
   const auto theirs = build(plugin("icp-slam"), "theirs");
-  const auto ours = build(core::configsFolder() + "/methods/icp.ini", "ours");
+  const auto ours = build(resources::configsFolder() + "/methods/icp.ini", "ours");
   ASSERT_EQ(theirs.estimate.size(), ours.estimate.size());
   EXPECT_EQ(theirs.filled_poses, 0);
   // The program writes 4 decimals; the log's odometry is in single precision.

@@ -8,17 +8,18 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/rays/ray_caster.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
+#include "libslam/results/lost_time.h"
 #include "libslam/run/build_map.h"
-#include "libslam/run/lost_time.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/world/ray_caster.h"
 #include "tests/world/drawn_plan.h"
 
 namespace slam::run {
@@ -53,8 +54,8 @@ TEST(ViewsOf, SeeWhatTheMapHoldsFromItsFreePlaces) {
     EXPECT_FALSE(world::discCollides(map, core::position(view.T_map_robot), 0.3));
     ASSERT_EQ(view.scan.ranges_m.size(), 360U);
     for (size_t i = 0; i < 360; i += 7)
-      EXPECT_EQ(view.scan.ranges_m[i], static_cast<float>(world::castRay(
-                                           map, core::position(view.T_map_robot), view.scan.angle(i), 20)));
+      EXPECT_EQ(view.scan.ranges_m[i], static_cast<float>(rays::castRay(map, core::position(view.T_map_robot),
+                                                                        view.scan.angle(i), 20)));
   }
   for (const double side : {-1.0, 1.0})  // both rooms
     EXPECT_TRUE(std::any_of(views.begin(), views.end(), [&](const auto& view) {
@@ -73,7 +74,7 @@ TEST(ViewsOf, SeeNothingThroughUnknownCells) {
       const core::Point2 end =
           view.T_map_robot * core::Point2{view.scan.ranges_m[i] * std::cos(view.scan.angle(i)),
                                           view.scan.ranges_m[i] * std::sin(view.scan.angle(i))};
-      if (robot::isReturn(view.scan.ranges_m[i])) {
+      if (lidar::isReturn(view.scan.ranges_m[i])) {
         EXPECT_GT(side * (world::worldToCells(map, end).x - 40.5), 0);
       }
     }
@@ -96,7 +97,7 @@ TEST(GridMaps, AreKnownByTheirNames) {
 
 TEST(GridMaps, WhatIsNoneIsRefused) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "bad.gridmap.gz", "no grid");
+  files::writeFileAtomically(folder / "bad.gridmap.gz", "no grid");
   EXPECT_EQ(errorOf([&] { loadGridMap(folder / "bad.gridmap.gz"); }),
             folder / "bad.gridmap.gz" + ": is no MRPT occupancy grid");
   EXPECT_THAT(errorOf([&] { loadGridMap(folder / "none.yaml"); }), HasSubstr("no such file"));
@@ -107,9 +108,9 @@ class InAGrid : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new testing::TempFolder;
-    const world::Plan plan = world::loadPlan(core::resolvePlan("flat"));
+    const world::Plan plan = world::loadPlan(resources::resolvePlan("flat"));
     world::savePlan(plan, *folder_ / "flat.yaml");
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "30", "test");
     ini.set("lidar", "beams", "181", "test");
     for (const int seed : {1, 2})
@@ -123,7 +124,7 @@ class InAGrid : public ::testing::Test {
   }
   static MapRun build(const std::string& log, const Continuation& continuation, const std::string& output) {
     return buildMap(*folder_ / (log + ".rawlog"),
-                    mapping::loadMethodConfig(core::configsFolder() + "/methods", "graph"), "graph", 1,
+                    mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph"), "graph", 1,
                     *folder_ / output, true, {}, core::silentProgress(), false, continuation);
   }
   static core::Trajectory truthOf(const std::string& log) {
@@ -138,7 +139,8 @@ TEST_F(InAGrid, ThePosesAreThoseOfTheRosMapsFrame) {
   const auto run = build("drive2", {*folder_ / "flat.yaml", true, truth.front().pose}, "in_plan");
   ASSERT_TRUE(run.lost_share);
   EXPECT_EQ(*run.lost_share, 0);
-  const auto evaluation = score::evaluate(loadRun(*folder_ / "in_plan"), score::Truth{truth, {}, {}});
+  const auto evaluation =
+      score::evaluate(results::loadRun(*folder_ / "in_plan"), score::Truth{truth, {}, {}});
   EXPECT_EQ(evaluation.align, metrics::Align::kNone);
   EXPECT_LT(evaluation.trajectory.position_m.max, 0.05);  // a cell of the plan
   EXPECT_EQ(evaluation.lost_share, 0);
@@ -151,8 +153,8 @@ TEST_F(InAGrid, SoInMrptsGrid) {
   const core::Pose2 T_world_map = truthOf("drive1").front().pose;
   const std::string map = *folder_ / "map/map.gridmap.gz";
   build("drive2", {map, true, core::between(T_world_map, truth.front().pose)}, "in_grid");
-  EXPECT_EQ(core::fileSha256(*folder_ / "in_grid/map.gridmap.gz"), core::fileSha256(map));
-  const auto run = loadRun(*folder_ / "in_grid");
+  EXPECT_EQ(resources::fileSha256(*folder_ / "in_grid/map.gridmap.gz"), resources::fileSha256(map));
+  const auto run = results::loadRun(*folder_ / "in_grid");
   const score::Alignment alignment{metrics::Align::kNone,
                                    score::mapFrame(run.manifest, *folder_ / "drive1.gt.tum")};
   EXPECT_LT(core::distance(alignment.T_truth_map, T_world_map), 1e-9);
@@ -169,17 +171,18 @@ std::vector<core::JournalLine> journalOf(const std::vector<std::pair<double, std
 }
 
 TEST(LostTime, RunsFromLostToRecoveredOrToTheEnd) {
-  EXPECT_EQ(lostShare({}, 10), 0);
-  EXPECT_EQ(lostShare(journalOf({{1, "poor"}, {2, "lost"}, {2.5, "lost"}, {4, "recovered"}}), 10), 0.2);
-  EXPECT_EQ(lostShare(journalOf({{2, "lost"}, {3, "recovered"}, {8, "lost"}}), 10), 0.3);
-  EXPECT_EQ(lostShare(journalOf({{0, "lost"}}), 0), 0);
+  EXPECT_EQ(results::lostShare({}, 10), 0);
+  EXPECT_EQ(results::lostShare(journalOf({{1, "poor"}, {2, "lost"}, {2.5, "lost"}, {4, "recovered"}}), 10),
+            0.2);
+  EXPECT_EQ(results::lostShare(journalOf({{2, "lost"}, {3, "recovered"}, {8, "lost"}}), 10), 0.3);
+  EXPECT_EQ(results::lostShare(journalOf({{0, "lost"}}), 0), 0);
 }
 
 TEST(LostTime, APathWithoutItLacksThosePoses) {
   core::Trajectory path;
   for (int i = 0; i <= 10; ++i) path.push_back({100.0 + i, {static_cast<double>(i), 0, 0}});
-  EXPECT_EQ(whileNotLost(path, {}).size(), 11U);
-  const auto found = whileNotLost(path, {{2, 4}, {9, 10}});
+  EXPECT_EQ(results::whileNotLost(path, {}).size(), 11U);
+  const auto found = results::whileNotLost(path, {{2, 4}, {9, 10}});
   ASSERT_EQ(found.size(), 7U);  // 0, 1, 4 .. 8: recovered at 4, and lost from 9 to the end
   EXPECT_EQ(found[2].pose.x, 4);
   EXPECT_EQ(found.back().pose.x, 8);

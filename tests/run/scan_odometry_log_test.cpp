@@ -12,24 +12,24 @@
 #include <mrpt/poses/CPosePDFGaussian.h>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/objects/object_stream.h"
-#include "libslam/robot/mrpt_types.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
 
 namespace slam::run {
 namespace {
 
-using logs::RawlogForm;
 using mapping::test::driveThroughRoom;
 using mrpt::obs::CActionCollection;
 using mrpt::obs::CActionRobotMovement2D;
 using mrpt::obs::CObservationOdometry;
 using mrpt::obs::CSensoryFrame;
+using rawlogs::RawlogForm;
 using ::testing::HasSubstr;
 using Objects = std::vector<std::shared_ptr<mrpt::serialization::CSerializable>>;
 
@@ -115,7 +115,7 @@ TEST(ScanOdometryLog, AnActionCarriesMeanCovarianceAndAModelThatAFileHolds) {
     ASSERT_TRUE(actions && frame);
     ASSERT_EQ(actions->size(), 2U);
     const auto scan = frame->getObservationByClass<mrpt::obs::CObservation2DRangeScan>();
-    const auto motion = twin->update(robot::fromMrpt(*scan));
+    const auto motion = twin->update(lidar::fromMrpt(*scan));
     const auto best = actions->getBestMovementEstimation();
     EXPECT_EQ(best->estimationMethod, CActionRobotMovement2D::emScan2DMatching);
     EXPECT_EQ(best->timestamp, scan->timestamp);
@@ -149,7 +149,7 @@ TEST(ScanOdometryLog, KeepsEverythingElse) {
     auto reading = CObservationOdometry::Create();
     reading->odometry = {9, 9, 0};
     frame->insert(reading);
-    auto scan = robot::toMrpt(drive.entries[i].scan);
+    auto scan = lidar::toMrpt(drive.entries[i].scan);
     if (i == 2) scan->sensorLabel = "REAR";  // a frame without a scan of the lidar
     frame->insert(scan);
     objects.push_back(actions);
@@ -194,7 +194,7 @@ TEST(ScanOdometryLog, AsksForTheKindOfEachMotionAndTellsWhatTheWheelsSaid) {
     const auto in = writeDrive(folder, form, true);
     auto options = optionsOf("argmax");
     std::vector<double> asked_s;
-    options.commanded = [&](const robot::Scan& scan, const std::optional<core::Pose2>& wheels) {
+    options.commanded = [&](const lidar::Scan& scan, const std::optional<core::Pose2>& wheels) {
       const auto& entry = drive.entries.at(asked_s.size());
       asked_s.push_back(scan.time_s);
       if (asked_s.size() > 1) {  // the first absolute reading says nothing of what was before
@@ -217,7 +217,7 @@ TEST(ScanOdometryLog, TheSameLogGivesTheSameBytes) {
   const auto in = writeDrive(folder, RawlogForm::kActionFrame, true);
   write(in, folder / "a.rawlog", optionsOf("range_flow"));
   write(in, folder / "b.rawlog", optionsOf("range_flow"));
-  EXPECT_EQ(core::readTextFile(folder / "a.rawlog"), core::readTextFile(folder / "b.rawlog"));
+  EXPECT_EQ(files::readTextFile(folder / "a.rawlog"), files::readTextFile(folder / "b.rawlog"));
 }
 
 std::string errorOf(const std::string& in, const std::string& out, const ScanOdometryLogOptions& options) {
@@ -237,7 +237,7 @@ TEST(ScanOdometryLog, RefusesWhatItCannotTakeOdometryFromAndLeavesNothing) {
   EXPECT_THAT(errorOf(folder / "no_scan.rawlog", folder / "out.rawlog", optionsOf("plicp")),
               HasSubstr("no_scan.rawlog"));
 
-  const auto scan = robot::toMrpt(driveThroughRoom(1).entries[0].scan);
+  const auto scan = lidar::toMrpt(driveThroughRoom(1).entries[0].scan);
   auto frame = std::make_shared<CSensoryFrame>();
   frame->insert(scan);
   writeObjects(folder / "mixed.rawlog", {scan, std::make_shared<CActionCollection>(), frame});
@@ -245,7 +245,7 @@ TEST(ScanOdometryLog, RefusesWhatItCannotTakeOdometryFromAndLeavesNothing) {
               HasSubstr("frames and bare scans of 'LASER' in one log, expected one form; give --form"));
   EXPECT_THAT(errorOf(folder / "mixed.rawlog", folder / "out.rawlog", optionsOf("plicpp")),
               HasSubstr("did you mean 'plicp'?"));
-  EXPECT_THROW(core::requireReadableFile(folder / "out.rawlog"), core::InputError);
+  EXPECT_THROW(files::requireReadableFile(folder / "out.rawlog"), core::InputError);
 }
 
 }  // namespace

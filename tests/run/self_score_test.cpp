@@ -1,4 +1,4 @@
-#include "libslam/run/self_score.h"
+#include "libslam/results/self_score.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,12 +8,12 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
@@ -25,18 +25,18 @@ namespace {
 class SelfScoring : public ::testing::Test {
  protected:
   void SetUp() override {
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "60", "test");
     ini.set("lidar", "beams", "181", "test");
     record::record(plan_, record::readRecordConfig(ini), 1, log_, {}, core::silentProgress());
     truth_ = logs::readTum(folder_ / "run.gt.tum");
   }
-  SelfScore scoreOf(const core::Trajectory& path) const {
-    return selfScore(log_, path, plan_, core::silentProgress());
+  results::SelfScore scoreOf(const core::Trajectory& path) const {
+    return results::selfScore(log_, path, plan_, core::silentProgress());
   }
 
   testing::TempFolder folder_;
-  world::Plan plan_ = world::loadPlan(core::resolvePlan("flat"));
+  world::Plan plan_ = world::loadPlan(resources::resolvePlan("flat"));
   std::string log_ = folder_ / "run.rawlog";
   core::Trajectory truth_;
 };
@@ -67,11 +67,11 @@ TEST_F(SelfScoring, WantsOnePoseForEveryScan) {
 }
 
 TEST_F(SelfScoring, StandsInEveryRunAndInItsTable) {
-  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "rbpf_exact");
+  const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "rbpf_exact");
   const auto run =
       buildMap(log_, config, "rbpf_exact", 1, folder_ / "out", false, {}, core::silentProgress());
   ASSERT_TRUE(run.final_estimate.has_value());
-  const auto loaded = loadRun(folder_ / "out");
+  const auto loaded = results::loadRun(folder_ / "out");
   ASSERT_TRUE(loaded.final_estimate.has_value());
   EXPECT_EQ(loaded.final_estimate->size(), loaded.estimate.size());
   const auto evaluation = score::evaluate(loaded, std::nullopt);
@@ -89,9 +89,9 @@ TEST_F(SelfScoring, StandsInEveryRunAndInItsTable) {
 
 // A run of another version, or an exploration, has no such figures: the table says so and the rest stands.
 TEST_F(SelfScoring, IsNotMissedWhereARunDoesNotHaveIt) {
-  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel");
+  const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel");
   buildMap(log_, config, "naive_wheel", 1, folder_ / "out", false, {}, core::silentProgress());
-  auto loaded = loadRun(folder_ / "out");
+  auto loaded = results::loadRun(folder_ / "out");
   EXPECT_FALSE(loaded.final_estimate.has_value());
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out/trajectory_final.tum"));
   auto& results = loaded.manifest.results;
@@ -107,24 +107,24 @@ TEST_F(SelfScoring, IsNotMissedWhereARunDoesNotHaveIt) {
 TEST_F(SelfScoring, ALogWhoseStampsRunBackGivesAPathInTheOrderOfTheStamps) {
   const std::string shuffled = folder_ / "shuffled.rawlog";
   logs::LogReader reader(log_);
-  logs::LogWriter writer(shuffled, logs::RawlogForm::kActionFrame);
+  logs::LogWriter writer(shuffled, rawlogs::RawlogForm::kActionFrame);
   size_t index = 0;
   while (auto entry = reader.next()) {
     if (index++ % 20 == 7) entry->scan.time_s -= 0.3;  // before the scan before
     writer.write(*entry);
   }
   writer.close();
-  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel");
+  const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel");
   const auto run =
       buildMap(shuffled, config, "naive_wheel", 1, folder_ / "out", false, {}, core::silentProgress());
   const auto byStamp = [](const auto& a, const auto& b) { return a.time_s < b.time_s; };
   EXPECT_TRUE(std::is_sorted(run.estimate.begin(), run.estimate.end(), byStamp));
-  EXPECT_EQ(loadRun(folder_ / "out").estimate.size(), run.estimate.size());
+  EXPECT_EQ(results::loadRun(folder_ / "out").estimate.size(), run.estimate.size());
   // Every scan was still placed at its own pose: the same figures as of the log whose stamps do not run back.
   buildMap(log_, config, "naive_wheel", 1, folder_ / "straight", false, {}, core::silentProgress());
   for (const char* key : {"self.on_wall_share", "self.wall_thickness_m"})
-    EXPECT_EQ(loadRun(folder_ / "out").manifest.results.at(key),
-              loadRun(folder_ / "straight").manifest.results.at(key))
+    EXPECT_EQ(results::loadRun(folder_ / "out").manifest.results.at(key),
+              results::loadRun(folder_ / "straight").manifest.results.at(key))
         << key;
 }
 

@@ -5,32 +5,32 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::run {
 namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-core::IniFile configOf(const std::vector<std::string>& settings) {
-  core::IniFile ini;
+files::IniFile configOf(const std::vector<std::string>& settings) {
+  files::IniFile ini;
   for (const auto& setting : settings) ini.setFromArgument(setting, "test");
   return ini;
 }
 
 void simulate(const std::vector<std::string>& settings, const std::string& log) {
-  record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(configOf(settings)), 1,
-                 log, {}, core::silentProgress());
+  record::record(world::loadPlan(resources::resolvePlan("flat")),
+                 record::readRecordConfig(configOf(settings)), 1, log, {}, core::silentProgress());
 }
 
 struct Run {
@@ -41,13 +41,13 @@ struct Run {
 
 Run runOf(const std::string& method, const std::string& log, const std::string& folder,
           const std::vector<std::string>& settings = {}) {
-  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", method);
+  auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", method);
   for (const auto& setting : settings) config.setFromArgument(setting, "test");
   Run run;
   run.map = buildMap(log, config, method, 1, folder, true, {}, core::silentProgress(), false);
-  const auto loaded = loadRun(folder);
+  const auto loaded = results::loadRun(folder);
   run.results = loaded.manifest.results;
-  run.ate_m = score::evaluate(loaded, score::loadTruth(record::findTruth(log), "", loaded))
+  run.ate_m = score::evaluate(loaded, score::loadTruth(truth::findTruth(log), "", loaded))
                   .final_trajectory.position_m.rmse;
   return run;
 }
@@ -110,7 +110,7 @@ TEST_F(TwoLidars, TheSecondChangesNothingOfTheFirst) {
     ASSERT_TRUE(both);
     EXPECT_EQ(entry->scan.ranges_m.size(), both->scan.ranges_m.size());
     for (size_t i = 0; i < entry->scan.ranges_m.size(); ++i)
-      if (robot::isReturn(entry->scan.ranges_m[i])) {
+      if (lidar::isReturn(entry->scan.ranges_m[i])) {
         EXPECT_EQ(entry->scan.ranges_m[i], both->scan.ranges_m[i]);
       }
     ASSERT_EQ(both->others.size(), 1U);
@@ -132,8 +132,8 @@ TEST_F(TwoLidars, EveryMethodTakesThem) {
     EXPECT_EQ(both.map.estimate.size(), front.map.estimate.size()) << method;
     // A map of both differs from one of the front; nowhere is it worse by more than 5 mm, which the noise may
     // do.
-    EXPECT_NE(core::readTextFile(*folder_ / (method + "/map.png")),
-              core::readTextFile(*folder_ / (method + "_front/map.png")))
+    EXPECT_NE(files::readTextFile(*folder_ / (method + "/map.png")),
+              files::readTextFile(*folder_ / (method + "_front/map.png")))
         << method;
     EXPECT_LT(both.ate_m, front.ate_m + 0.005) << method;
   }

@@ -6,13 +6,14 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
@@ -31,15 +32,15 @@ class BrokenOdometry : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new testing::TempFolder;
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "20", "test");
     ini.set("lidar", "beams", "181", "test");
     const std::string whole = *folder_ / "whole.rawlog";
-    record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
-                   core::silentProgress());
+    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole,
+                   {}, core::silentProgress());
     logs::LogReader log(whole);
-    logs::LogWriter bad(*folder_ / "bad.rawlog", logs::RawlogForm::kActionFrame);
-    logs::LogWriter first(*folder_ / "first.rawlog", logs::RawlogForm::kActionFrame);
+    logs::LogWriter bad(*folder_ / "bad.rawlog", rawlogs::RawlogForm::kActionFrame);
+    logs::LogWriter first(*folder_ / "first.rawlog", rawlogs::RawlogForm::kActionFrame);
     for (int i = 0; auto entry = log.next(); ++i) {
       if (i < kBadScan) first.write(*entry);
       if (i == kBadScan) entry->T_previous_robot.x = 1e6;
@@ -54,7 +55,7 @@ class BrokenOdometry : public ::testing::Test {
   }
   static MapRun build(const std::string& method, const std::string& log, const std::string& output,
                       core::Progress& progress = core::silentProgress(), bool keep_partial = false) {
-    const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", method);
+    const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", method);
     return buildMap(*folder_ / (log + ".rawlog"), config, method, 1, *folder_ / output, true, {}, progress,
                     false, {}, nullptr, keep_partial);
   }
@@ -66,14 +67,14 @@ TEST_F(BrokenOdometry, WhatWasMappedBeforeIsKept) {
   for (const std::string method : {"particles", "icp", "rbpf", "naive_wheel"}) {
     const auto run = build(method, "bad", method);
     ASSERT_TRUE(run.stopped.has_value()) << method;
-    EXPECT_EQ(run.stopped->reason, Stop::Reason::kFailed);
+    EXPECT_EQ(run.stopped->reason, results::Stop::Reason::kFailed);
     EXPECT_EQ(run.stopped->scan, kBadScan) << method;
     EXPECT_THAT(run.stopped->why, HasSubstr("the map would hold")) << method;
-    const auto partial = loadRun(*folder_ / method);
+    const auto partial = results::loadRun(*folder_ / method);
     EXPECT_EQ(partial.estimate.size(), static_cast<size_t>(kBadScan)) << method;
     EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
     EXPECT_THAT(partial.manifest.results.at("failed"), HasSubstr("at scan 60 (12.0 s): "));
-    const auto journal = readJournal(*folder_ / (method + "/journal.csv"));
+    const auto journal = results::readJournal(*folder_ / (method + "/journal.csv"));
     EXPECT_EQ(journal.back().event, core::JournalEvent::kFailed) << method;
     EXPECT_EQ(journal.back().scan, kBadScan - 1);
     EXPECT_THAT(journal.back().detail, HasSubstr("the map would hold"));
@@ -81,8 +82,8 @@ TEST_F(BrokenOdometry, WhatWasMappedBeforeIsKept) {
       EXPECT_TRUE(fs::exists(*folder_ / (method + "/" + file))) << method << " " << file;
     // A method that gives its path as it goes has mapped what it maps of the first part alone.
     build(method, "first", method + "_first");
-    EXPECT_EQ(core::fileSha256(*folder_ / (method + "/trajectory.tum")),
-              core::fileSha256(*folder_ / (method + "_first/trajectory.tum")))
+    EXPECT_EQ(resources::fileSha256(*folder_ / (method + "/trajectory.tum")),
+              resources::fileSha256(*folder_ / (method + "_first/trajectory.tum")))
         << method;
   }
 }
@@ -90,7 +91,7 @@ TEST_F(BrokenOdometry, WhatWasMappedBeforeIsKept) {
 TEST_F(BrokenOdometry, AComparisonHasARowThatSaysWhereAndKeepsTheFolder) {
   score::CompareRequest request;
   request.log_path = *folder_ / "bad.rawlog";
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.methods = {"naive_wheel", "icp"};
   request.output = *folder_ / "compared";
   const auto comparison = score::compare(request, {}, core::silentProgress());
@@ -98,11 +99,11 @@ TEST_F(BrokenOdometry, AComparisonHasARowThatSaysWhereAndKeepsTheFolder) {
   EXPECT_THAT(comparison.evaluations[1].failure, HasSubstr("at scan 60 (12.0 s): "));
   EXPECT_TRUE(std::isnan(comparison.evaluations[1].path_length_m));
   EXPECT_TRUE(fs::exists(*folder_ / "compared/icp/map.png"));
-  EXPECT_THAT(core::readTextFile(*folder_ / "compared/scores.txt"), HasSubstr("icp failed: at scan 60"));
+  EXPECT_THAT(files::readTextFile(*folder_ / "compared/scores.txt"), HasSubstr("icp failed: at scan 60"));
 }
 
 TEST_F(BrokenOdometry, AMapThatCannotBeDrawnLeavesItsPathAndKeyFrames) {
-  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "graph");
+  auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph");
   config.setFromArgument("mapping.max_map_cells=10000", "test");
   const auto run = buildMap(*folder_ / "first.rawlog", config, "graph", 1, *folder_ / "undrawn", true, {},
                             core::silentProgress(), false);
@@ -110,7 +111,7 @@ TEST_F(BrokenOdometry, AMapThatCannotBeDrawnLeavesItsPathAndKeyFrames) {
   EXPECT_THAT(run.stopped->why, HasSubstr("max_map_cells"));
   EXPECT_EQ(logs::readTum(*folder_ / "undrawn/trajectory_final.tum").size(), static_cast<size_t>(kBadScan));
   EXPECT_TRUE(fs::exists(*folder_ / "undrawn/map.simplemap"));
-  const auto manifest = core::readManifest(*folder_ / "undrawn/manifest.json");
+  const auto manifest = resources::readManifest(*folder_ / "undrawn/manifest.json");
   EXPECT_EQ(manifest.files.count("map.png"), 0U);
   EXPECT_EQ(manifest.files.count("map.simplemap"), 1U);
 }
@@ -131,11 +132,12 @@ TEST_F(BrokenOdometry, AnInterruptKeepsWhatIsThereWhenAskedTo) {
   StopAt progress(20);
   const auto run = build("icp", "first", "interrupted", progress, true);
   ASSERT_TRUE(run.stopped.has_value());
-  EXPECT_EQ(run.stopped->reason, Stop::Reason::kInterrupted);
-  const auto partial = loadRun(*folder_ / "interrupted");
+  EXPECT_EQ(run.stopped->reason, results::Stop::Reason::kInterrupted);
+  const auto partial = results::loadRun(*folder_ / "interrupted");
   EXPECT_EQ(partial.estimate.size(), 20U);
   EXPECT_EQ(partial.manifest.results.at("interrupted"), "at scan 20 (3.8 s)");
-  EXPECT_EQ(readJournal(*folder_ / "interrupted/journal.csv").back().event, core::JournalEvent::kInterrupted);
+  EXPECT_EQ(results::readJournal(*folder_ / "interrupted/journal.csv").back().event,
+            core::JournalEvent::kInterrupted);
   StopAt again(20);
   EXPECT_THROW(build("icp", "first", "not kept", again), core::Interrupted);
   EXPECT_FALSE(fs::exists(*folder_ / "not kept"));

@@ -6,10 +6,11 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/sim/operation_log.h"
 #include "libslam/testing/temp_folder.h"
@@ -20,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 record::RecordConfig originalRobot(double duration_s) {
-  auto config =
-      record::readRecordConfig(core::IniFile::load(core::configsFolder() + "/lidars/thesis_360.ini"));
+  auto config = record::readRecordConfig(
+      resources::readConfigFile(resources::configsFolder() + "/lidars/thesis_360.ini"));
   config.simulation.duration_s = duration_s;
   return config;
 }
@@ -29,12 +30,12 @@ record::RecordConfig originalRobot(double duration_s) {
 class ToldCommands : public ::testing::Test {
  protected:
   void SetUp() override {
-    record::record(world::loadPlan(core::resolvePlan("flat")), originalRobot(60), 7, log_, {},
+    record::record(world::loadPlan(resources::resolvePlan("flat")), originalRobot(60), 7, log_, {},
                    core::silentProgress());
   }
   MapRun run(const std::string& method, const std::string& name) {
-    return buildMap(log_, mapping::loadMethodConfig(core::configsFolder() + "/methods", method), method, 7,
-                    folder_ / name, false, {}, core::silentProgress());
+    return buildMap(log_, mapping::loadMethodConfig(resources::configsFolder() + "/methods", method), method,
+                    7, folder_ / name, false, {}, core::silentProgress());
   }
   /// Root mean square of the distances, from the true start.
   double errorOf(const MapRun& run) {
@@ -54,7 +55,7 @@ class ToldCommands : public ::testing::Test {
 TEST_F(ToldCommands, ComeFromTheOperationLogAndGiveItsOwnDeadReckoning) {
   const auto naive = run("naive", "naive");
   EXPECT_EQ(naive.commands_from, "operation log");
-  const auto operations = sim::parseOperations(core::readTextFile(operations_), operations_);
+  const auto operations = sim::parseOperations(files::readTextFile(operations_), operations_);
   const auto replayed = sim::replayOperations(operations);
   for (size_t i = 0; i < operations.size(); ++i) {
     const auto& estimate = naive.estimate.at(operations[i].scan_after).pose;
@@ -71,7 +72,7 @@ TEST_F(ToldCommands, ComeFromTheWheelsWhereThereIsNoOperationLog) {
   const auto naive = run("naive", "naive");
   EXPECT_EQ(naive.commands_from, "wheels");
   EXPECT_LT(errorOf(naive), 1) << "as by the operation log";
-  EXPECT_EQ(core::readManifest(folder_ / "naive/manifest.json").results.at("commands_from"), "wheels");
+  EXPECT_EQ(resources::readManifest(folder_ / "naive/manifest.json").results.at("commands_from"), "wheels");
   EXPECT_THAT(commandsNote("naive", naive.commands_from), ::testing::HasSubstr("from the wheels"));
 }
 
@@ -83,7 +84,7 @@ TEST_F(ToldCommands, AreNotAskedForByOtherMethods) {
 }
 
 TEST_F(ToldCommands, RefuseTheOperationLogOfALongerLog) {
-  core::writeFileAtomically(operations_, "m -1 1 0 5\nm -1 1 500 501\n");
+  files::writeFileAtomically(operations_, "m -1 1 0 5\nm -1 1 500 501\n");
   EXPECT_THROW(run("naive", "naive"), core::InputError);
   EXPECT_FALSE(fs::exists(folder_ / "naive"));
 }
@@ -100,10 +101,10 @@ TEST(OperationsOfADrive, HoldMovesTurnsAndArcsAndNoRest) {
   const auto commander = [&](const sim::Sensed&) {
     return next < orders.size() ? std::optional<record::Order>(orders[next++]) : std::nullopt;
   };
-  record::recordCommands(world::loadPlan(core::resolvePlan("flat")), originalRobot(60), 1,
+  record::recordCommands(world::loadPlan(resources::resolvePlan("flat")), originalRobot(60), 1,
                          folder / "run.rawlog", {}, core::silentProgress(), commander);
   const auto operations =
-      sim::parseOperations(core::readTextFile(folder / "run.operations.txt"), "run.operations.txt");
+      sim::parseOperations(files::readTextFile(folder / "run.operations.txt"), "run.operations.txt");
   const std::vector<std::tuple<char, int, int>> expected = {
       {'a', 1, 3}, {'m', 4, 6}, {'m', 6, 7}, {'m', 7, 8}, {'t', 8, 9}};
   ASSERT_EQ(operations.size(), expected.size());

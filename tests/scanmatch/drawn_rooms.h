@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "libslam/core/random.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::scanmatch_test {
 
@@ -38,9 +38,9 @@ struct Lidar {
   core::Pose2 T_robot_lidar;
 };
 
-inline robot::Scan look(const std::vector<Wall>& walls, const core::Pose2& T_world_robot, const Lidar& lidar,
+inline lidar::Scan look(const std::vector<Wall>& walls, const core::Pose2& T_world_robot, const Lidar& lidar,
                         core::RandomStream& chance) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.first_angle_rad = -lidar.fov_rad / 2;
   scan.step_rad = lidar.fov_rad / (lidar.beams - 1);
   scan.max_range_m = lidar.max_range_m;
@@ -50,7 +50,7 @@ inline robot::Scan look(const std::vector<Wall>& walls, const core::Pose2& T_wor
     const double range_m = rayToWalls(walls, core::position(T_world_lidar),
                                       T_world_lidar.phi + scan.angle(static_cast<size_t>(i)));
     const double read_m = range_m + lidar.noise_m * chance.normal();
-    scan.ranges_m.push_back(range_m < lidar.max_range_m ? static_cast<float>(read_m) : robot::kNoReturn);
+    scan.ranges_m.push_back(range_m < lidar.max_range_m ? static_cast<float>(read_m) : lidar::kNoReturn);
   }
   return scan;
 }

@@ -33,9 +33,9 @@ std::vector<Wall> corridor(double heading_rad) {
           {T * core::Point2{-60, 1}, T * core::Point2{60, 1}}};
 }
 
-robot::Scan scanOf(const std::vector<Wall>& walls, const core::Pose2& T_map_robot,
+lidar::Scan scanOf(const std::vector<Wall>& walls, const core::Pose2& T_map_robot,
                    core::RandomStream* noise = nullptr) {
-  robot::Scan scan;
+  lidar::Scan scan;
   const int beams = 271;
   scan.first_angle_rad = core::degToRad(-135), scan.step_rad = core::degToRad(1), scan.max_range_m = 12;
   for (int i = 0; i < beams; ++i) {
@@ -50,7 +50,7 @@ robot::Scan scanOf(const std::vector<Wall>& walls, const core::Pose2& T_map_robo
       if (range > 0 && along >= 0 && along <= 1) nearest = std::min(nearest, range);
     }
     if (noise) nearest += noise->normal(0.01);
-    scan.ranges_m.push_back(nearest < scan.max_range_m ? static_cast<float>(nearest) : robot::kNoReturn);
+    scan.ranges_m.push_back(nearest < scan.max_range_m ? static_cast<float>(nearest) : lidar::kNoReturn);
   }
   return scan;
 }

@@ -126,7 +126,7 @@ TEST(ScanPoints, LieAlongTheirWallHoweverCloseTheBeams) {
 }
 
 TEST(ScanPoints, StandForWhatTheirBeamLeavesOpenSidewaysWhereNoNeighbourIsNear) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.first_angle_rad = -0.01, scan.step_rad = 0.01;
   scan.max_range_m = 30;
   scan.ranges_m = {12, 4, 11};
@@ -162,12 +162,12 @@ TEST(ScanPoints, TurnWithTheirPatches) {
 TEST(ScanPoints, LeaveOutWhatIsNoReturnAndWhatIsTooFar) {
   core::RandomStream chance(1, "lidar");
   auto scan = look(rectangle(-30, -3, 30, 3), {}, exactLidar(), chance);
-  scan.ranges_m[20] = robot::kLostReading;
+  scan.ranges_m[20] = lidar::kLostReading;
   ScanPointOptions options;
   options.max_range_m = 5;
   for (const auto& point : surfacePoints(scan, options))
     EXPECT_LE(std::hypot(point.p.x, point.p.y), 5 + 1e-5);
-  for (float& range : scan.ranges_m) range = robot::kNoReturn;
+  for (float& range : scan.ranges_m) range = lidar::kNoReturn;
   EXPECT_TRUE(surfacePoints(scan, options).empty());
 }
 

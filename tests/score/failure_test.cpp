@@ -119,7 +119,7 @@ TEST(Failure, ALoopBetweenPlacesFarApartIsWrong) {
 }
 
 TEST(Failure, TheGravestEventAroundIsTheSuspect) {
-  run::RunFolder run;
+  results::RunFolder run;
   run.estimate = estimateWith([](double t) { return core::Pose2{0, t >= 20 ? 2.0 : 0, 0}; });
   Truth truth;
   truth.trajectory = straightTruth();
@@ -168,7 +168,7 @@ TEST(Failure, TheWorstRegionHoldsTheWallThatIsMissingAndTheOneThatIsFalse) {
 }
 
 TEST(Failure, ACarryIsTheGravestSuspect) {
-  run::RunFolder run;
+  results::RunFolder run;
   Truth truth;
   for (int i = 0; i <= 200; ++i) {
     const double time_s = 0.1 * i, x_m = 0.05 * i;

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -135,7 +135,7 @@ TEST(Gate, ReadsWhatItWrites) {
 TEST(Gate, SaysWhichRowAndKeyOfTheFileIsWrong) {
   const testing::TempFolder folder;
   const auto errorWith = [&](const std::string& text) {
-    core::writeFileAtomically(folder / "gate.json", text);
+    files::writeFileAtomically(folder / "gate.json", text);
     return errorOf([&] { readGate(folder / "gate.json"); });
   };
   const auto row = [](const std::string& rest) {

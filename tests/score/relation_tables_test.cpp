@@ -19,8 +19,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-run::RunFolder runWith(const core::Trajectory& online) {
-  run::RunFolder run;
+results::RunFolder runWith(const core::Trajectory& online) {
+  results::RunFolder run;
   run.method = "rbpf";
   run.estimate = online;
   return run;

@@ -9,11 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/sessions/diff_maps.h"
 #include "libslam/testing/error_of.h"
@@ -26,8 +27,8 @@ namespace fs = std::filesystem;
 using slam::testing::errorOf;
 using ::testing::HasSubstr;
 
-core::IniFile config() {
-  return mapping::loadMethodConfig(core::configsFolder() + "/methods", "graph");
+files::IniFile config() {
+  return mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph");
 }
 
 class TwoVisits : public ::testing::Test {
@@ -46,14 +47,14 @@ class TwoVisits : public ::testing::Test {
   static void visit(const std::string& name, const std::string& plan, std::uint64_t seed,
                     const std::string& start, const std::string& duration_s,
                     const std::string& number = "1") {
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", duration_s, "test");
     ini.set("simulation", "start", start, "test");
     ini.set("strategy", "name", "wall_follow", "test");
     ini.set("living", "visit", number, "test");
     const std::string log = *folder_ / (name + ".rawlog");
-    record::record(world::loadPlan(core::resolvePlan(plan)), record::readRecordConfig(ini), seed, log, {},
-                   core::silentProgress());
+    record::record(world::loadPlan(resources::resolvePlan(plan)), record::readRecordConfig(ini), seed, log,
+                   {}, core::silentProgress());
     run::buildMap(log, config(), "graph", 1, *folder_ / name, true, {}, core::silentProgress(), false);
   }
   static std::string at(const std::string& name) { return *folder_ / name; }
@@ -87,7 +88,7 @@ TEST_F(TwoVisits, BecomeOneMap) {
   for (const std::string name : {"monday", "tuesday"})
     EXPECT_EQ(logs::readTum(at("both/" + name + ".tum")).size(),
               logs::readTum(at(name + "/trajectory.tum")).size());
-  const auto json = nlohmann::json::parse(core::readTextFile(at("both/merge.json")));
+  const auto json = nlohmann::json::parse(files::readTextFile(at("both/merge.json")));
   EXPECT_EQ(json.at("sessions").size(), 2U);
   EXPECT_NEAR(json.at("sessions")[1].at("pose").at("x_m").get<double>(),
               merged.sessions[1].place.T_map_part.x, 1e-9);
@@ -111,7 +112,7 @@ TEST_F(TwoVisits, SameMapsSameBytes) {
   merge({at("monday"), at("tuesday")}, "once");
   merge({at("monday"), at("tuesday")}, "again");
   for (const std::string file : {"map.png", "map.simplemap", "graph.g2o", "merge.json", "tuesday.tum"})
-    EXPECT_EQ(core::fileSha256(at("once/" + file)), core::fileSha256(at("again/" + file))) << file;
+    EXPECT_EQ(resources::fileSha256(at("once/" + file)), resources::fileSha256(at("again/" + file))) << file;
 }
 
 TEST_F(TwoVisits, WhatDoesNotBelongIsRefusedAndNothingIsWritten) {
@@ -160,7 +161,7 @@ TEST_F(TwoVisits, AMapIsNotMergedWithItself) {
 TEST_F(TwoVisits, FurnitureThatWasMovedIsFound) {
   const auto changes =
       diffMaps(at("monday"), at("tuesday"), config(), at("changes"), true, {}, core::silentProgress());
-  const auto before = world::loadPlan(core::resolvePlan("flat")),
+  const auto before = world::loadPlan(resources::resolvePlan("flat")),
              after = world::loadPlan(at("tuesday.plan.yaml"));
   // Where the true plans differ, in the frame of the first map.
   const auto T_map_world = core::inverse(logs::readTum(at("monday.gt.tum")).front().pose);
@@ -183,7 +184,7 @@ TEST_F(TwoVisits, FurnitureThatWasMovedIsFound) {
   EXPECT_GE(right_m2, 0.9 * all_m2);
   for (const char* file : {"changes.png", "changes.html", "changes.csv", "changes.json", "changes.txt"})
     EXPECT_TRUE(fs::exists(at(std::string("changes/") + file))) << file;
-  EXPECT_THAT(core::readTextFile(at("changes/changes.html")),
+  EXPECT_THAT(files::readTextFile(at("changes/changes.html")),
               HasSubstr("What has changed from monday to tuesday"));
 }
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
+#include "libslam/rays/ray_caster.h"
 #include "libslam/sim/simulator.h"
-#include "libslam/world/ray_caster.h"
 #include "tests/world/drawn_plan.h"
 
 namespace slam::sim {
@@ -29,9 +29,9 @@ world::Plan room() {
   return world::drawnPlan(lines, 0.5);
 }
 
-robot::Scan look(const robot::FloorCamera& camera, const Pose2& T_world_robot) {
+lidar::Scan look(const robot::FloorCamera& camera, const Pose2& T_world_robot) {
   const auto plan = room();
-  const Scene scene(plan);
+  const movers::Scene scene(plan);
   return CameraSensor(camera, 1).sense(scene, T_world_robot, 7);
 }
 
@@ -47,11 +47,11 @@ TEST(CameraSensors, SeeTheFootOfAnObstacleWhereItStands) {
 
 TEST(CameraSensors, SayWhereTheFloorIsFreeAndNothingOfTheDeadZone) {
   const auto away = look(exactCamera(), {2, 6, 0});
-  EXPECT_EQ(away.ranges_m[away.ranges_m.size() / 2], robot::kNoReturn) << "the wall is 5.4 m away";
+  EXPECT_EQ(away.ranges_m[away.ranges_m.size() / 2], lidar::kNoReturn) << "the wall is 5.4 m away";
   // The wall's face 0.4 m before the camera's foot, the floor is seen from 0.458 m on: the wall hides all of
   // it.
   const auto close = look(exactCamera(), {7.0, 6, 0});
-  for (const float range_m : close.ranges_m) EXPECT_FALSE(robot::isReturn(range_m) && range_m < 0.458);
+  for (const float range_m : close.ranges_m) EXPECT_FALSE(lidar::isReturn(range_m) && range_m < 0.458);
   EXPECT_TRUE(std::isnan(close.ranges_m[close.ranges_m.size() / 2]));
 }
 
@@ -64,10 +64,10 @@ TEST(CameraSensors, SeeOfEveryBearingWhatTheExactRayMeetsInTheVisibleFloor) {
     const Pose2 T_world_camera = T_world_robot * scan.T_robot_lidar;
     for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
       const double exact_m =
-          world::castRay(plan, core::position(T_world_camera), T_world_camera.phi + scan.angle(i), 0);
+          rays::castRay(plan, core::position(T_world_camera), T_world_camera.phi + scan.angle(i), 0);
       const auto span = robot::bearingSpan(camera, scan.angle(i));
       const bool is_seen = exact_m > span.begin_m && exact_m < span.end_m;
-      EXPECT_EQ(robot::isReturn(scan.ranges_m[i]), is_seen) << i;
+      EXPECT_EQ(lidar::isReturn(scan.ranges_m[i]), is_seen) << i;
       EXPECT_NEAR(is_seen ? scan.ranges_m[i] - exact_m : 0, 0, 1e-5) << i;
     }
   }

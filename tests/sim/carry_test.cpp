@@ -35,8 +35,8 @@ robot::OdometryOptions perfectOdometry() {
 
 class CarriedRobot : public ::testing::Test {
  protected:
-  Simulator simulatorAt(const core::Pose2& start, const LivingOptions& living = {}) const {
-    return {plan_, {}, robot::LidarOptions{}, perfectOdometry(), start, 3, 0, living};
+  Simulator simulatorAt(const core::Pose2& start, const movers::LivingOptions& living = {}) const {
+    return {plan_, {}, lidar::LidarOptions{}, perfectOdometry(), start, 3, 0, living};
   }
   world::Plan plan_ = room();
 };
@@ -67,7 +67,7 @@ TEST_F(CarriedRobot, IsPutDownAnywhereThatItCanDriveTo) {
     plan_.cells[static_cast<size_t>(row) * 200 + 120] = world::Cell::kOccupied;
   std::vector<core::Pose2> places;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    Simulator simulator(plan_, {}, robot::LidarOptions{}, perfectOdometry(), {1, 1, 0}, seed, 0);
+    Simulator simulator(plan_, {}, lidar::LidarOptions{}, perfectOdometry(), {1, 1, 0}, seed, 0);
     simulator.carryAt(parseCarries("1:random", "--carry"));
     for (int i = 0; i < 4; ++i) simulator.step({0.2, 0, 0.5});
     ASSERT_EQ(simulator.carries().size(), 1U);
@@ -196,7 +196,7 @@ TEST_F(CarriedRobot, PlacesWithoutRoomAreRefused) {
 }
 
 TEST_F(CarriedRobot, WaitsUntilNobodyStandsThere) {
-  LivingOptions living;
+  movers::LivingOptions living;
   living.people = 1;
   living.body = "disc";
   auto simulator = simulatorAt({1, 1, 0}, living);

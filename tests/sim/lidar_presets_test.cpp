@@ -2,19 +2,20 @@
 
 #include <filesystem>
 
-#include "libslam/core/ini.h"
-#include "libslam/robot/lidar.h"
+#include "libslam/files/ini.h"
+#include "libslam/lidar/lidar.h"
+#include "libslam/resources/ini_yaml.h"
 
 namespace slam::robot {
 namespace {
 
 const std::string kFolder = RASTERSLAM_SOURCE_DIR "/configs/lidars/";
 
-LidarOptions load(const std::string& name) {
-  const auto ini = core::IniFile::load(kFolder + name + ".ini");
-  core::rejectUnknownSections(ini, {"lidar"});
-  LidarOptions options;
-  core::readParameters(ini, LidarOptions::table(), options);
+lidar::LidarOptions load(const std::string& name) {
+  const auto ini = resources::readConfigFile(kFolder + name + ".ini");
+  files::rejectUnknownSections(ini, {"lidar"});
+  lidar::LidarOptions options;
+  files::readParameters(ini, lidar::LidarOptions::table(), options);
   return options;
 }
 
@@ -25,8 +26,8 @@ TEST(LidarPresets, AllLoadStrictlyAndGiveEveryParameter) {
     names.push_back(entry.path().stem());
     EXPECT_NO_THROW(load(names.back())) << entry.path();
     // A preset that leaves a parameter to the built-in default would change with it.
-    const auto ini = core::IniFile::load(entry.path());
-    for (const auto& row : LidarOptions::table().rows())
+    const auto ini = resources::readConfigFile(entry.path());
+    for (const auto& row : lidar::LidarOptions::table().rows())
       EXPECT_TRUE(ini.find("lidar", row.info.key)) << entry.path() << " lacks " << row.info.key;
   }
   EXPECT_THAT(names,
@@ -36,19 +37,19 @@ TEST(LidarPresets, AllLoadStrictlyAndGiveEveryParameter) {
 
 TEST(LidarPresets, HaveTheBeamStepOfTheDataSheet) {
   // The presets give field of view and count; the step follows. URG-04LX: 360/1024 deg within 0.1 %.
-  EXPECT_NEAR(core::radToDeg(beamStep(load("thesis_360"))), 1.0, 1e-12);
-  EXPECT_NEAR(core::radToDeg(beamStep(load("lms291"))), 0.5, 1e-12);
-  EXPECT_NEAR(core::radToDeg(beamStep(load("lms511"))), 0.5, 1e-12);
-  EXPECT_NEAR(core::radToDeg(beamStep(load("tim571"))), 1.0 / 3, 1e-12);
-  EXPECT_NEAR(core::radToDeg(beamStep(load("utm30lx"))), 0.25, 1e-12);
-  EXPECT_NEAR(core::radToDeg(beamStep(load("urg04lx"))), 360.0 / 1024, 0.001 * 360.0 / 1024);
-  EXPECT_NEAR(core::radToDeg(beamStep(load("rplidar_a1"))), 1.0, 1e-12);
-  EXPECT_NEAR(core::radToDeg(beamStep(load("rplidar_a2"))), 0.45, 1e-12);
+  EXPECT_NEAR(core::radToDeg(lidar::beamStep(load("thesis_360"))), 1.0, 1e-12);
+  EXPECT_NEAR(core::radToDeg(lidar::beamStep(load("lms291"))), 0.5, 1e-12);
+  EXPECT_NEAR(core::radToDeg(lidar::beamStep(load("lms511"))), 0.5, 1e-12);
+  EXPECT_NEAR(core::radToDeg(lidar::beamStep(load("tim571"))), 1.0 / 3, 1e-12);
+  EXPECT_NEAR(core::radToDeg(lidar::beamStep(load("utm30lx"))), 0.25, 1e-12);
+  EXPECT_NEAR(core::radToDeg(lidar::beamStep(load("urg04lx"))), 360.0 / 1024, 0.001 * 360.0 / 1024);
+  EXPECT_NEAR(core::radToDeg(lidar::beamStep(load("rplidar_a1"))), 1.0, 1e-12);
+  EXPECT_NEAR(core::radToDeg(lidar::beamStep(load("rplidar_a2"))), 0.45, 1e-12);
 }
 
 TEST(LidarPresets, HaveTheNoiseOfTheDataSheet) {
   const auto sigmaAt = [](const std::string& name, double range_m) {
-    return rangeSigma(load(name), range_m);
+    return lidar::rangeSigma(load(name), range_m);
   };
   EXPECT_EQ(sigmaAt("lms291", 20), 0.01);
   EXPECT_EQ(sigmaAt("lms511", 10), 0.006);

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <map>
 
-#include "libslam/robot/beam.h"
+#include "libslam/lidar/beam.h"
+#include "libslam/rays/ray_caster.h"
 #include "libslam/sim/simulator.h"
-#include "libslam/world/ray_caster.h"
 #include "tests/world/drawn_plan.h"
 
 namespace slam::sim {
@@ -24,8 +24,8 @@ constexpr double kSigmas = 5;
 /// Ranges are floats: half an ulp of a range up to 16 m is 5e-7, and a way of several rays adds some.
 constexpr double kFloat_m = 3e-6;
 
-robot::LidarOptions circle(int beams) {
-  robot::LidarOptions options;
+lidar::LidarOptions circle(int beams) {
+  lidar::LidarOptions options;
   options.fov_rad = 2 * kPi;
   options.beams = beams;
   options.min_range_m = options.max_range_m = options.sigma_m = 0;
@@ -33,27 +33,27 @@ robot::LidarOptions circle(int beams) {
 }
 
 /// Few beams about straight ahead.
-robot::LidarOptions ahead(double fov_rad = degToRad(2), int beams = 3) {
-  robot::LidarOptions options = circle(beams);
+lidar::LidarOptions ahead(double fov_rad = degToRad(2), int beams = 3) {
+  lidar::LidarOptions options = circle(beams);
   options.fov_rad = fov_rad;
   return options;
 }
 
-robot::Scan look(const Plan& plan, const robot::LidarOptions& options, const Pose2& T_world_robot,
+lidar::Scan look(const Plan& plan, const lidar::LidarOptions& options, const Pose2& T_world_robot,
                  std::uint64_t seed = 1) {
-  const Scene scene(plan);
+  const movers::Scene scene(plan);
   return LidarSensor(options, seed).sense(scene, T_world_robot, RecentPath(0), 100);
 }
 
 /// The middle of three beams.
-float lookAhead(const Plan& plan, robot::LidarOptions options, const Pose2& pose) {
+float lookAhead(const Plan& plan, lidar::LidarOptions options, const Pose2& pose) {
   return look(plan, options, pose).ranges_m[1];
 }
 
 /// Shares of what one beam straight ahead reads in many scans.
-std::map<float, double> sharesAhead(const Plan& plan, const robot::LidarOptions& options, const Pose2& pose,
+std::map<float, double> sharesAhead(const Plan& plan, const lidar::LidarOptions& options, const Pose2& pose,
                                     int scans) {
-  const Scene scene(plan);
+  const movers::Scene scene(plan);
   LidarSensor sensor(options, 1);
   std::map<float, double> shares;
   for (int i = 0; i < scans; ++i)
@@ -75,14 +75,14 @@ Plan room(int columns, int rows) {
 
 TEST(LidarSensor, WithEverythingOffCastsOnceAndAddsTheOlderErrors) {
   const Plan plan = room(12, 9);
-  robot::LidarOptions options = circle(90);
+  lidar::LidarOptions options = circle(90);
   options.sigma_m = 0.02, options.drop_out = 0.1, options.mount_x_m = 0.2, options.mount_yaw_rad = 0.3;
   const Pose2 pose{4.3, 3.7, 1.1};
-  const Scene scene(plan);
+  const movers::Scene scene(plan);
   std::vector<float> expected_m;
   scene.castScan(pose * Pose2{0.2, 0, 0.3}, {-kPi, 2 * kPi / 90, 90}, 0, expected_m);
   core::RandomStream random(1, "lidar");
-  robot::applyLidarErrors(options, random, expected_m);
+  lidar::applyLidarErrors(options, random, expected_m);
   const auto found_m = look(plan, options, pose).ranges_m;
   ASSERT_EQ(found_m.size(), 90U);
   int lost = 0;
@@ -97,7 +97,7 @@ TEST(LidarSensor, WithEverythingOffCastsOnceAndAddsTheOlderErrors) {
 TEST(LidarSensor, ConsumersOfChanceDoNotTouchEachOther) {
   // Mixed pixels and glass draw from streams of their own: the noise of every other reading stays.
   const Plan plan = drawnPlan({"##########", "#........#", "#...GG...#", "#........#", "##########"});
-  robot::LidarOptions plain = circle(120), mixing = plain;
+  lidar::LidarOptions plain = circle(120), mixing = plain;
   plain.sigma_m = mixing.sigma_m = 0.05;
   plain.beam_width_rad = mixing.beam_width_rad = degToRad(0.5);
   mixing.mixed_pixels = 1;
@@ -112,7 +112,7 @@ TEST(LidarSensor, ConsumersOfChanceDoNotTouchEachOther) {
 
 TEST(LidarSensor, StatesTheMountingPoseAndSensesFromTheTrueOne) {
   const Plan plan = room(12, 9);
-  robot::LidarOptions stated = circle(36), truly = circle(36);
+  lidar::LidarOptions stated = circle(36), truly = circle(36);
   stated.mount_x_m = 0.1;
   stated.mount_error_x_m = 0.05, stated.mount_error_y_m = -0.02, stated.mount_error_yaw_rad = 0.1;
   truly.mount_x_m = 0.15, truly.mount_y_m = -0.02, truly.mount_yaw_rad = 0.1;
@@ -125,12 +125,12 @@ TEST(LidarSensor, StatesTheMountingPoseAndSensesFromTheTrueOne) {
 // ---- Sweep and latency
 
 struct Drive {
-  robot::Scan scan;
+  lidar::Scan scan;
   Pose2 T_world_start, T_world_end;
 };
 
 /// One second of `command` in a wide room and the scan after it.
-Drive drive(const robot::LidarOptions& options, const robot::Command& command) {
+Drive drive(const lidar::LidarOptions& options, const robot::Command& command) {
   const Plan plan = room(40, 40);
   const Pose2 start{20, 20, 0.3};
   Simulator simulator(plan, {}, options, {}, start, 1);
@@ -139,7 +139,7 @@ Drive drive(const robot::LidarOptions& options, const robot::Command& command) {
 }
 
 TEST(Sweep, SensesEveryBeamFromWhereTheRobotThenWas) {
-  robot::LidarOptions options = circle(40);
+  lidar::LidarOptions options = circle(40);
   options.rate_hz = 1, options.sweep = 1;
   const Plan plan = room(40, 40);
   for (const bool clockwise : {false, true}) {
@@ -150,7 +150,7 @@ TEST(Sweep, SensesEveryBeamFromWhereTheRobotThenWas) {
       const size_t order = clockwise ? 39 - i : i;
       const double time_s = static_cast<double>(order + 1) / 40;
       const Pose2 then = start * robot::driveMotion(command, time_s);
-      EXPECT_NEAR(scan.ranges_m[i], world::castRay(plan, core::position(then), then.phi + scan.angle(i), 0),
+      EXPECT_NEAR(scan.ranges_m[i], rays::castRay(plan, core::position(then), then.phi + scan.angle(i), 0),
                   kFloat_m)
           << i;
     }
@@ -158,23 +158,23 @@ TEST(Sweep, SensesEveryBeamFromWhereTheRobotThenWas) {
 }
 
 TEST(Sweep, OfARobotThatStandsIsAsAtOnce) {
-  robot::LidarOptions swept = circle(40);
+  lidar::LidarOptions swept = circle(40);
   swept.sweep = 1;
   EXPECT_EQ(drive(swept, {0, 0, 1}).scan.ranges_m, drive(circle(40), {0, 0, 1}).scan.ranges_m);
 }
 
 TEST(Sweep, CoversOnlyItsShareOfThePeriod) {
   // Turning at 1 rad/s for 1 s: the first beam of a sweep of 0.25 / rate is measured 0.25 s * (n-1)/n ago.
-  robot::LidarOptions options = circle(40);
+  lidar::LidarOptions options = circle(40);
   options.rate_hz = 1, options.sweep = 0.25;
   const auto [scan, start, end] = drive(options, {0, 1, 1});
   const double ago_s = 0.25 * 39 / 40;
-  EXPECT_NEAR(scan.ranges_m[0], world::castRay(room(40, 40), core::position(end), end.phi - kPi - ago_s, 0),
+  EXPECT_NEAR(scan.ranges_m[0], rays::castRay(room(40, 40), core::position(end), end.phi - kPi - ago_s, 0),
               kFloat_m);
 }
 
 TEST(Latency, ShowsThePlaceOfThatLongAgo) {
-  robot::LidarOptions options = circle(40);
+  lidar::LidarOptions options = circle(40);
   options.latency_s = 0.4;
   const robot::Command command{2, 0.5, 1};
   const auto [scan, start, end] = drive(options, command);
@@ -184,7 +184,7 @@ TEST(Latency, ShowsThePlaceOfThatLongAgo) {
 }
 
 TEST(Latency, OfLongerThanTheDriveShowsTheStart) {
-  robot::LidarOptions options = circle(40);
+  lidar::LidarOptions options = circle(40);
   options.latency_s = 5;
   const auto [scan, start, end] = drive(options, {2, 0.5, 1});
   EXPECT_EQ(scan.ranges_m, look(room(40, 40), circle(40), start).ranges_m);
@@ -195,12 +195,12 @@ TEST(Latency, OfLongerThanTheDriveShowsTheStart) {
 TEST(BeamWidth, MakesAPostWiderByTheWidthOfTheBeam) {
   Plan plan = room(40, 11);
   plan.cells[5 * 40 + 20] = world::Cell::kOccupied;  // the near face is at x = 20
-  robot::LidarOptions thin = ahead(degToRad(20), 801), wide = thin;
+  lidar::LidarOptions thin = ahead(degToRad(20), 801), wide = thin;
   wide.beam_width_rad = degToRad(1);
-  const auto seen_deg = [&](const robot::LidarOptions& options) {
+  const auto seen_deg = [&](const lidar::LidarOptions& options) {
     const auto ranges_m = look(plan, options, {5, 5.5, 0}).ranges_m;
     const auto hits = std::count_if(ranges_m.begin(), ranges_m.end(), [](float r) { return r < 16; });
-    return static_cast<double>(hits) * core::radToDeg(robot::beamStep(options));
+    return static_cast<double>(hits) * core::radToDeg(lidar::beamStep(options));
   };
   const double step_deg = 20.0 / 800;
   EXPECT_NEAR(seen_deg(thin), core::radToDeg(2 * std::atan(0.5 / 15)), 2 * step_deg);
@@ -208,7 +208,7 @@ TEST(BeamWidth, MakesAPostWiderByTheWidthOfTheBeam) {
 }
 
 TEST(BeamWidth, HardlyChangesAFlatWall) {
-  robot::LidarOptions wide = ahead();
+  lidar::LidarOptions wide = ahead();
   wide.beam_width_rad = degToRad(0.6);
   // The mean of r / cos over five rays up to 0.3 deg: r (1 + 0.5 * mean square), 10 m * 6.9e-6.
   EXPECT_NEAR(lookAhead(room(20, 11), wide, {9, 5.5, 0}), 10 * (1 + 0.5 * std::pow(degToRad(0.3), 2) / 2),
@@ -219,9 +219,9 @@ TEST(MixedPixels, AreTheStatedShareAndUniformBetweenBothSides) {
   Plan plan = room(40, 11);
   for (int row = 0; row < 5; ++row) plan.cells[static_cast<size_t>(row) * 40 + 20] = world::Cell::kOccupied;
   // Straight ahead along the edge of that wall: two rays of five on it at 10 m, the rest at 29 m.
-  robot::LidarOptions options = ahead();
+  lidar::LidarOptions options = ahead();
   options.beam_width_rad = degToRad(1), options.mixed_pixels = 0.3;
-  const Scene scene(plan);
+  const movers::Scene scene(plan);
   LidarSensor sensor(options, 1);
   const int scans = 4000;
   int mixed = 0;
@@ -243,10 +243,10 @@ TEST(MixedPixels, AreTheStatedShareAndUniformBetweenBothSides) {
 
 TEST(DarkSurfaces, AnswerUpToTheirRange) {
   const Plan plan = drawnPlan({"............", "...........D", "............"});
-  robot::LidarOptions options = ahead();
+  lidar::LidarOptions options = ahead();
   options.dark_range_m = 5;
   EXPECT_NEAR(lookAhead(plan, options, {6.5, 1.5, 0}), 4.5, kFloat_m);
-  EXPECT_EQ(lookAhead(plan, options, {5.5, 1.5, 0}), robot::kNoReturn);
+  EXPECT_EQ(lookAhead(plan, options, {5.5, 1.5, 0}), lidar::kNoReturn);
   options.dark_range_m = 0;
   EXPECT_NEAR(lookAhead(plan, options, {5.5, 1.5, 0}), 5.5, kFloat_m);
 }
@@ -291,16 +291,16 @@ TEST(Mirrors, AreWindowsIntoTheImageOfTheRoom) {
 
 TEST(Mirrors, FacingEachOtherGiveNoReturn) {
   EXPECT_EQ(lookAhead(drawnPlan({"##########", "M........M", "##########"}), ahead(), {5, 1.5, 0}),
-            robot::kNoReturn);
+            lidar::kNoReturn);
 }
 
 TEST(Mirrors, BeyondTheMaximumRangeGiveNoReturn) {
   const Plan plan = drawnPlan({"#........M"});
-  robot::LidarOptions options = ahead();
+  lidar::LidarOptions options = ahead();
   options.max_range_m = 13.9;  // 6 to the mirror, 8 back
-  EXPECT_EQ(lookAhead(plan, options, {3, 0.5, 0}), robot::kNoReturn);
+  EXPECT_EQ(lookAhead(plan, options, {3, 0.5, 0}), lidar::kNoReturn);
   options.max_range_m = 5;
-  EXPECT_EQ(lookAhead(plan, options, {3, 0.5, 0}), robot::kNoReturn);
+  EXPECT_EQ(lookAhead(plan, options, {3, 0.5, 0}), lidar::kNoReturn);
   options.max_range_m = 14.1;
   EXPECT_NEAR(lookAhead(plan, options, {3, 0.5, 0}), 14, kFloat_m);
 }
@@ -326,7 +326,7 @@ Plan paned() {
 }
 
 TEST(Glass, AnswersLetsThroughOrMirrorsAsTheFormulasSay) {
-  robot::LidarOptions options = ahead();
+  lidar::LidarOptions options = ahead();
   options.glass_echo = 0.4, options.glass_reflectance = 0.2;
   const int scans = 5000;
   const auto shares = sharesAhead(paned(), options, {2, 2.5, 0}, scans);
@@ -341,7 +341,7 @@ TEST(Glass, AnswersLetsThroughOrMirrorsAsTheFormulasSay) {
 }
 
 TEST(Glass, IsSeenHalfAsOftenAtTheStatedIncidence) {
-  robot::LidarOptions options = ahead();
+  lidar::LidarOptions options = ahead();
   options.glass_echo = 0.8, options.glass_echo_rad = degToRad(10), options.glass_reflectance = 0;
   const int scans = 5000;
   const double slant_rad = degToRad(10);
@@ -355,7 +355,7 @@ TEST(Glass, IsSeenHalfAsOftenAtTheStatedIncidence) {
 TEST(Glass, LetsRaysPassExactlyAsIfItWereNotThere) {
   const Plan clear = drawnPlan({"##########", "#........#", "#......#.#", "#........#", "##########"});
   const Plan glazed = drawnPlan({"##########", "#...GG...#", "#...GG.#.#", "#...G....#", "##########"});
-  robot::LidarOptions options = circle(720);
+  lidar::LidarOptions options = circle(720);
   options.glass_echo = options.glass_reflectance = 0;
   const Pose2 pose{2.3, 2.6, 0.1};
   const auto through = look(glazed, options, pose).ranges_m, expected = look(clear, options, pose).ranges_m;
@@ -372,14 +372,14 @@ TEST(Glass, ActsAsAMirrorAtGrazingIncidence) {
 }
 
 TEST(Glass, AtThePlansEdgeLetsRaysOut) {
-  robot::LidarOptions options = ahead();
+  lidar::LidarOptions options = ahead();
   options.glass_echo = options.glass_reflectance = 0;
-  EXPECT_EQ(lookAhead(drawnPlan({"#....G"}), options, {2, 0.5, 0}), robot::kNoReturn);
-  EXPECT_EQ(lookAhead(drawnPlan({"#....G"}), options, {2, 0.5, 0.1}), robot::kNoReturn);
+  EXPECT_EQ(lookAhead(drawnPlan({"#....G"}), options, {2, 0.5, 0}), lidar::kNoReturn);
+  EXPECT_EQ(lookAhead(drawnPlan({"#....G"}), options, {2, 0.5, 0.1}), lidar::kNoReturn);
 }
 
 TEST(Glass, OnAWallShowsTheWall) {
-  robot::LidarOptions options = ahead();
+  lidar::LidarOptions options = ahead();
   options.glass_echo = options.glass_reflectance = 0;
   EXPECT_NEAR(lookAhead(drawnPlan({"#....G#."}), options, {2, 0.5, 0}), 4, kFloat_m);
 }

@@ -1,4 +1,4 @@
-#include "libslam/sim/living.h"
+#include "libslam/movers/living.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,30 +17,30 @@ using core::Pose2;
 constexpr double kStart_s = Simulator::kStartTime_s;
 const double kRobotRadius_m = robot::circumscribedRadius(robot::RobotOptions{});
 
-LivingOptions people(int count) {
-  LivingOptions options;
+movers::LivingOptions people(int count) {
+  movers::LivingOptions options;
   options.people = count;
   return options;
 }
 
 /// The one door opens and closes; by turns of about a second.
-LivingOptions quickDoor() {
-  LivingOptions options;
+movers::LivingOptions quickDoor() {
+  movers::LivingOptions options;
   options.doors_share = 1;
   options.door_open_s = options.door_closed_s = 1;
   return options;
 }
 
-robot::LidarOptions exactCircle(int beams) {
-  robot::LidarOptions options;
+lidar::LidarOptions exactCircle(int beams) {
+  lidar::LidarOptions options;
   options.fov_rad = 2 * core::kPi;
   options.beams = beams;
   options.min_range_m = options.max_range_m = options.sigma_m = 0;
   return options;
 }
 
-bool isClosed(const Scene& scene) {
-  return scene.doors()->all().front().state == DoorState::kClosed;
+bool isClosed(const movers::Scene& scene) {
+  return scene.doors()->all().front().state == movers::DoorState::kClosed;
 }
 
 std::vector<double> placesOf(const Simulator& simulator) {
@@ -61,7 +61,7 @@ TEST(LivingWorld, IsOffByDefault) {
 
 TEST(LivingWorld, IsTheSameHoweverTimeIsCutIntoCommands) {
   const world::Plan plan = twoRooms();
-  LivingOptions living = people(6);
+  movers::LivingOptions living = people(6);
   living.doors_share = 1;
   std::vector<std::vector<double>> ends;
   for (const double part_s : {12.0, 0.2, 0.025, 0.375, 0.016}) {
@@ -110,12 +110,12 @@ TEST(LivingWorld, TheScanIsTheNearerOfWallAndLeg) {
   for (int i = 0; i < 50; ++i) {
     const auto scan = simulator.step({0, 0, 0.1}).scan;
     std::vector<float> walls;
-    Scene(plan).castScan(simulator.truth(), {scan.first_angle_rad, scan.step_rad, 721}, 0, walls);
+    movers::Scene(plan).castScan(simulator.truth(), {scan.first_angle_rad, scan.step_rad, 721}, 0, walls);
     for (size_t k = 0; k < walls.size(); ++k) {
       const double angle = simulator.truth().phi + scan.angle(k);
       double nearest = walls[k];
       for (const auto& body : simulator.scene().bodies())
-        nearest = std::min(nearest, castRay(body, {3, 3}, {std::cos(angle), std::sin(angle)}));
+        nearest = std::min(nearest, movers::castRay(body, {3, 3}, {std::cos(angle), std::sin(angle)}));
       ASSERT_EQ(scan.ranges_m[k], static_cast<float>(nearest));
       on_legs += scan.ranges_m[k] < walls[k];
     }
@@ -125,7 +125,7 @@ TEST(LivingWorld, TheScanIsTheNearerOfWallAndLeg) {
 
 TEST(LivingWorld, APartOfASweepIsAScanOfFewerBeams) {
   const world::Plan plan = twoRooms();
-  const Scene scene(plan, people(8), 2, {{3, 3}, 0.3});
+  const movers::Scene scene(plan, people(8), 2, {{3, 3}, 0.3});
   std::vector<float> whole, part;
   scene.castScan({3, 3, 0.3}, {-2, 0.01, 400}, 5, whole);
   for (int i = 0; i < 400; i += 7) {
@@ -136,10 +136,10 @@ TEST(LivingWorld, APartOfASweepIsAScanOfFewerBeams) {
 
 TEST(LivingWorld, APersonInThePlansOwnFrameStandsWhereThePlanIsPlaced) {
   world::Plan plan = twoRooms();
-  const Scene straight(plan, people(3), 2, {{3, 3}, 0.3});
+  const movers::Scene straight(plan, people(3), 2, {{3, 3}, 0.3});
   plan.T_world_plan = {10, -4, 1.1};
   const core::Point2 robot = plan.T_world_plan * core::Point2{3, 3};
-  const Scene placed(plan, people(3), 2, {robot, 0.3});
+  const movers::Scene placed(plan, people(3), 2, {robot, 0.3});
   for (size_t i = 0; i < straight.bodies().size(); ++i) {
     const core::Point2 expected = plan.T_world_plan * straight.bodies()[i].p;
     EXPECT_NEAR(core::distance(expected, placed.bodies()[i].p), 0, 1e-12);
@@ -151,7 +151,7 @@ TEST(LivingWorld, DrivingIntoAPersonIsACollisionAndAPersonWhoComesNearIsNone) {
   world::Plan plan = twoRooms();
   for (int row = 50; row < 70; ++row)  // no doorway: the person stays in the robot's room
     plan.cells[static_cast<size_t>(row * plan.columns + 120)] = world::Cell::kOccupied;
-  LivingOptions living = people(1);
+  movers::LivingOptions living = people(1);
   living.pause_share = 1, living.pause_s = 1e5;
   Simulator simulator(plan, {}, exactCircle(4), {}, {2, 2, 0}, 9, kStart_s, living);
   for (int i = 0; i < 600; ++i) ASSERT_FALSE(simulator.step({0, 0.5, 0.1}).collided);
@@ -205,7 +205,7 @@ TEST(LivingWorld, ADoorDoesNotCloseOnTheRobot) {
       simulator.step({0, 1, 0.1});
       ASSERT_FALSE(isClosed(simulator.scene()));
     }
-    EXPECT_EQ(simulator.scene().doors()->all().front().state, DoorState::kHeld);
+    EXPECT_EQ(simulator.scene().doors()->all().front().state, movers::DoorState::kHeld);
     bool closed_behind_it = false;
     while (simulator.truth().x < 7) {
       const bool looks_ahead = std::cos(simulator.truth().phi) > 0.999;
@@ -218,7 +218,7 @@ TEST(LivingWorld, ADoorDoesNotCloseOnTheRobot) {
 
 TEST(LivingWorld, DoorsNeverCloseOnPeople) {
   const world::Plan plan = twoRooms();
-  LivingOptions living = quickDoor();
+  movers::LivingOptions living = quickDoor();
   living.people = 8;
   Simulator simulator(plan, {}, exactCircle(4), {}, {1, 1, 0}, 4, kStart_s, living);
   int closed = 0;
@@ -235,19 +235,19 @@ TEST(LivingWorld, OnlyTheShareOfDoorsMoves) {
   world::Plan plan = twoRooms();
   plan.doors.assign(400, plan.doors.front());
   for (const double share : {0.0, 0.25, 1.0}) {
-    LivingOptions options;
+    movers::LivingOptions options;
     options.doors_share = share;
     // 400 draws: a deviation of at most 0.022, four of them.
-    EXPECT_NEAR(static_cast<double>(Doors(plan, options, 1).all().size()) / 400, share, 0.088);
+    EXPECT_NEAR(static_cast<double>(movers::Doors(plan, options, 1).all().size()) / 400, share, 0.088);
   }
 }
 
 TEST(LivingWorld, DoorsKeepTheirTimes) {
   const world::Plan plan = twoRooms();
-  LivingOptions options;
+  movers::LivingOptions options;
   options.doors_share = 1;
   options.door_open_s = 4, options.door_closed_s = 2;
-  Doors doors(plan, options, 1);
+  movers::Doors doors(plan, options, 1);
   std::vector<double> lengths;
   int last = 0;
   for (int tick = 1; lengths.size() < 401; ++tick)
@@ -271,7 +271,7 @@ TEST(LivingWorld, SaysWhenThereIsNoDoorToMove) {
   world::Plan plan = twoRooms();
   plan.doors.clear();
   try {
-    Scene(plan, quickDoor(), 1, {});
+    movers::Scene(plan, quickDoor(), 1, {});
     FAIL();
   } catch (const core::InputError& error) {
     EXPECT_STREQ(
@@ -282,11 +282,11 @@ TEST(LivingWorld, SaysWhenThereIsNoDoorToMove) {
 }
 
 TEST(LivingWorld, SaysWhatIsWrongWithItsOptions) {
-  core::IniFile ini;
+  files::IniFile ini;
   ini.set("living", "people", "-1", "run.ini:3");
-  LivingOptions options;
+  movers::LivingOptions options;
   try {
-    core::readParameters(ini, LivingOptions::table(), options);
+    files::readParameters(ini, movers::LivingOptions::table(), options);
     FAIL();
   } catch (const core::InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("run.ini:3"));

@@ -33,11 +33,11 @@ TEST(Sightings, AWallHidesARobotButNotTheOneRoundTheCorner) {
 
 TEST(Simulator, OtherRobotsAreSeenAndBumpedInto) {
   const auto halves = plan();
-  robot::LidarOptions lidar;
+  lidar::LidarOptions lidar;
   lidar.sigma_m = 0;
   const robot::RobotOptions robot;
   Simulator simulator(halves, robot, lidar, {}, {1, 2, 0}, 1);
-  const auto ahead = [](const robot::Scan& scan) { return scan.ranges_m[scan.ranges_m.size() / 2]; };
+  const auto ahead = [](const lidar::Scan& scan) { return scan.ranges_m[scan.ranges_m.size() / 2]; };
   EXPECT_NEAR(ahead(simulator.sense().scan), 4.0F, 0.02);
   simulator.setOthers({{{2.5, 2}, 0.3}});
   EXPECT_NEAR(ahead(simulator.sense().scan), 1.2F, 0.02);

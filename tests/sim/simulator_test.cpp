@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/resources/file_hash.h"
 
 namespace slam::sim {
 namespace {
@@ -41,8 +41,8 @@ robot::OdometryOptions perfectOdometry() {
   return options;
 }
 
-robot::LidarOptions circle(int beams, double sigma_m = 0) {
-  robot::LidarOptions options;
+lidar::LidarOptions circle(int beams, double sigma_m = 0) {
+  lidar::LidarOptions options;
   options.fov_rad = 2 * core::kPi;
   options.beams = beams;
   options.min_range_m = 0;
@@ -106,7 +106,7 @@ TEST(Simulator, OdometryWithoutNoiseIsTheTruthSeenFromTheStart) {
 
 TEST(Simulator, SeesTheWallsOfARoomWhereGeometryPutsThem) {
   const Plan plan = room(6, 4);
-  robot::LidarOptions lidar = circle(72);
+  lidar::LidarOptions lidar = circle(72);
   lidar.mount_x_m = 0.1, lidar.mount_y_m = -0.05, lidar.mount_yaw_rad = 0.4;
   const Pose2 start{2.013, 1.507, 2.2};
   const auto scan = Simulator(plan, {}, lidar, {}, start, 1).sense().scan;
@@ -190,7 +190,7 @@ struct Recording {
   std::string truth, odometry, scans;
 };
 
-Recording record(const robot::LidarOptions& lidar, const robot::OdometryOptions& odometry, std::uint64_t seed,
+Recording record(const lidar::LidarOptions& lidar, const robot::OdometryOptions& odometry, std::uint64_t seed,
                  const Plan& plan = room(6, 4)) {
   const auto append = [](std::string& bytes, const Pose2& pose) {
     char raw[sizeof pose];
@@ -206,7 +206,8 @@ Recording record(const robot::LidarOptions& lidar, const robot::OdometryOptions&
     recording.scans.append(reinterpret_cast<const char*>(sensed.scan.ranges_m.data()),
                            sensed.scan.ranges_m.size() * sizeof(float));
   }
-  for (auto* bytes : {&recording.truth, &recording.odometry, &recording.scans}) *bytes = core::sha256(*bytes);
+  for (auto* bytes : {&recording.truth, &recording.odometry, &recording.scans})
+    *bytes = resources::sha256(*bytes);
   return recording;
 }
 
@@ -226,7 +227,7 @@ TEST(Simulator, TheSeedMovesTheNoiseAndNeverTheTruth) {
 
 TEST(Simulator, LidarAndOdometryNoiseDoNotTouchEachOther) {
   const auto plain = record(circle(90, 0.02), {}, 5);
-  robot::LidarOptions poor_lidar = circle(90, 0.1);
+  lidar::LidarOptions poor_lidar = circle(90, 0.1);
   poor_lidar.drop_out = 0.3;
   const auto poor_scans = record(poor_lidar, {}, 5);
   EXPECT_EQ(poor_scans.truth, plain.truth);
@@ -257,8 +258,8 @@ Plan roomOfMaterials() {
   return plan;
 }
 
-robot::LidarOptions everyLidarError() {
-  robot::LidarOptions options = circle(90, 0.01);
+lidar::LidarOptions everyLidarError() {
+  lidar::LidarOptions options = circle(90, 0.01);
   options.max_range_m = 12, options.min_range_m = 0.1, options.drop_out = 0.05;
   options.sigma_share = 0.01, options.quantum_m = 0.001;
   options.beam_width_rad = degToRad(0.8), options.mixed_pixels = 0.5;
@@ -306,7 +307,7 @@ TEST(Simulator, ALidarWithoutLimitReportsThePlansDiagonalAsItsMaximumRange) {
   Simulator simulator(plan, {}, circle(4), {}, {1, 1.51, 0}, 1);
   const auto scan = simulator.sense().scan;
   EXPECT_DOUBLE_EQ(scan.max_range_m, 5.0);
-  EXPECT_EQ(scan.ranges_m[0], robot::kNoReturn);  // straight back, through the gap
+  EXPECT_EQ(scan.ranges_m[0], lidar::kNoReturn);  // straight back, through the gap
   EXPECT_NEAR(scan.ranges_m[2], 1.0, 1e-6);       // straight ahead, the post at x = 2; ranges are floats
 }
 

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 ContestRequest request(std::vector<std::string> entries, std::uint64_t seed = 1) {
   ContestRequest request;
   request.entries = std::move(entries);
-  request.suite_path = core::configsFolder() + "/suites/contest.ini";
+  request.suite_path = resources::configsFolder() + "/suites/contest.ini";
   request.seed = seed;
   request.seeds = 3;
   return request;
@@ -46,8 +46,8 @@ TEST(ContestSuite, DrawsBuildingsAndDrivesFromItsSeed) {
 
 TEST(ContestSuite, TakesFilesByTheirPath) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "mine.ini",
-                            "[method]\ntype = external\ncommand = cp {scans} {output}\n");
+  files::writeFileAtomically(folder / "mine.ini",
+                             "[method]\ntype = external\ncommand = cp {scans} {output}\n");
   auto with_file = request({"mine.ini", "graph"});
   with_file.folder = folder.path();
   const auto suite = contestSuite(with_file);
@@ -69,7 +69,7 @@ TEST(ContestSuite, RefusesWhatCannotBeHeld) {
 /// A sweep of one setting; values[m][s], infinite where the run crashed.
 struct Drawn {
   sweep::SweepPlan plan;
-  SweepResults results;
+  summary::SweepResults results;
 };
 Drawn drawn(const std::vector<std::string>& methods, const std::vector<std::vector<double>>& values) {
   Drawn sweep;

@@ -16,9 +16,9 @@ StressSuite suiteOf(const std::string& ground, const std::string& vary) {
 }
 
 /// Every run 0.1 m off, but those of `method` from `fails_at` down failed.
-SweepResults resultsOf(const StressSuite& suite, const sweep::SweepPlan& plan, const std::string& method,
-                       double fails_at) {
-  SweepResults results;
+summary::SweepResults resultsOf(const StressSuite& suite, const sweep::SweepPlan& plan,
+                                const std::string& method, double fails_at) {
+  summary::SweepResults results;
   for (const auto& run : plan.runs) {
     sweep::CellResult result;
     result.figures = {{"ate_final_m", 0.1}};
@@ -39,7 +39,7 @@ TEST(Stress, VariesANumberOfTheSimulationAsFaults) {
   EXPECT_EQ(stress.suite.faults[1].overlay.find("lidar", "fov_deg")->value, "210");
   EXPECT_EQ(sweep::planSweep(stress.suite).plan.runs.size(), 48U);  // 3 values, 8 seeds, 2 methods
   // The text that goes into the sweep's folder is the same suite.
-  const auto again = sweep::readSuite(core::IniFile::parse(stress.suite.text, "suite.ini"), "suite.ini",
+  const auto again = sweep::readSuite(files::IniFile::parse(stress.suite.text, "suite.ini"), "suite.ini",
                                       stress.suite.folder);
   EXPECT_EQ(sweep::planSweep(again).plan.runs[7].id, sweep::planSweep(stress.suite).plan.runs[7].id);
 }
@@ -105,7 +105,7 @@ TEST(Stress, HoldsTheMedianAgainstALimitOfTheError) {
 TEST(Stress, ARunThatIsMissingIsNotOneThatHolds) {
   const auto suite = suiteOf("flat", "lidar.fov_deg=60..360:2");
   const auto plan = sweep::planSweep(suite.suite).plan;
-  const SweepResults none(plan.runs.size());
+  const summary::SweepResults none(plan.runs.size());
   EXPECT_THAT(stress(suite, plan, none, {}).breaks[0].text, HasSubstr("nothing known at 60, 360"));
 }
 

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 /// Seeds 1 and 2 in a hall and, with people about, in an office; a real log besides; one method.
 struct ThreeSettings {
   sweep::SweepPlan plan;
-  SweepResults results;
+  summary::SweepResults results;
   ThreeSettings() {
     plan.baseline = "graph";
     plan.metric = "ate_final_m";

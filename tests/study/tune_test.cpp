@@ -4,7 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/sweep/suite.h"
 #include "libslam/testing/error_of.h"
 
@@ -81,23 +82,23 @@ TEST(Tune, TheFirstFinalistThatIsProvenBetterIsChosen) {
 }
 
 TEST(Tune, EveryShippedRangeFitsItsMethod) {
-  const auto names = core::namesInFolder(core::configsFolder() + "/tune", ".ini");
+  const auto names = resources::namesInFolder(resources::configsFolder() + "/tune", ".ini");
   EXPECT_GE(names.size(), 4U);
   for (const auto& name : names) {
-    const auto ranges = core::IniFile::load(core::configsFolder() + "/tune/" + name + ".ini");
+    const auto ranges = resources::readConfigFile(resources::configsFolder() + "/tune/" + name + ".ini");
     for (const bool high : {false, true}) {
-      core::IniFile suite;
+      files::IniFile suite;
       suite.set("suite", "worlds", "flat", "");
       suite.set("suite", "methods", "edge", "");
       suite.set("method edge", "base", name, "");
       for (const auto& [key, entry] : ranges.sections().at("tune.parameters")) {
         const auto range = readValueRange(entry.value, entry.origin);
-        suite.set("method edge", key, core::formatNumber(high ? range.high : range.low), entry.origin);
+        suite.set("method edge", key, files::formatNumber(high ? range.high : range.low), entry.origin);
       }
       EXPECT_EQ(testing::errorOf([&] { sweep::readSuite(suite, name, "."); }), "no error");
     }
   }
-  EXPECT_EQ(testing::errorOf([] { sweep::readSuite(core::configsFolder() + "/suites/tune.ini"); }),
+  EXPECT_EQ(testing::errorOf([] { sweep::readSuite(resources::configsFolder() + "/suites/tune.ini"); }),
             "no error");
 }
 

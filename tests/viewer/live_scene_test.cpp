@@ -30,7 +30,7 @@ Snapshot robotAt(const core::Pose2& T_world_robot) {
   Snapshot snapshot;
   snapshot.title = "test";
   snapshot.T_map_robot = snapshot.T_scene_truth.emplace(T_world_robot);
-  snapshot.scan.ranges_m.assign(2, robot::kNoReturn);
+  snapshot.scan.ranges_m.assign(2, lidar::kNoReturn);
   snapshot.scan.step_rad = 1;
   return snapshot;
 }

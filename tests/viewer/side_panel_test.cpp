@@ -142,7 +142,7 @@ TEST(ScaleBar, IsAsLongAsItSays) {
 
 TEST(SidePanel, AScanWithoutAnyReturnHasNoCurve) {
   auto snapshot = inAWideRoom();
-  snapshot.scan.ranges_m.assign(181, robot::kNoReturn);
+  snapshot.scan.ranges_m.assign(181, lidar::kNoReturn);
   const double only_the_legend = shareOf(decoded(sidePanel(snapshot, {}, 800)), draw::kVermillion);
   snapshot.scan.ranges_m.assign(181, 2.0F);
   EXPECT_LT(only_the_legend, shareOf(decoded(sidePanel(snapshot, {}, 800)), draw::kVermillion));

@@ -9,8 +9,8 @@
 
 #include "drawn_plan.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 #include "libslam/world/picture_file.h"
@@ -111,7 +111,7 @@ TEST_F(Materials, LoadBackBitForBit) {
   const Plan back = loadPlan(folder_ / "plan.yaml");
   EXPECT_EQ(back.cells, plan.cells);
   EXPECT_EQ(back.materials, plan.materials);
-  EXPECT_THAT(core::readTextFile(folder_ / "plan.yaml"), HasSubstr("materials: plan.materials.png\n"));
+  EXPECT_THAT(files::readTextFile(folder_ / "plan.yaml"), HasSubstr("materials: plan.materials.png\n"));
 
   plan.materials.assign(plan.cells.size(), M::kPlain);
   savePlan(plan, folder_ / "plain.yaml");

@@ -13,8 +13,8 @@
 
 #include "drawn_plan.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::world {
@@ -119,7 +119,7 @@ TEST_F(Plans, ReadTheSameFromEveryFormat) {
   EXPECT_EQ(drawing(loadPlan(write("g.pgm", gray))), expected);
   EXPECT_EQ(drawing(loadPlan(write("w.pgm", wide))), expected);
   EXPECT_EQ(drawing(loadPlan(write("ascii.pgm", gray, {cv::IMWRITE_PXM_BINARY, 0}))), expected);
-  EXPECT_EQ(drawing(loadPlan(write("a picture.with.odd name", core::readTextFile(folder_ / "g.png")))),
+  EXPECT_EQ(drawing(loadPlan(write("a picture.with.odd name", files::readTextFile(folder_ / "g.png")))),
             expected)
       << "told by content";
 }
@@ -301,7 +301,7 @@ TEST_F(Plans, RefuseEveryCutOfAPictureWithoutANoise) {
     const bool is_plain = name == "ascii.pgm";
     cv::Mat picture = image;
     if (name.find("pgm") != std::string::npos) cv::extractChannel(image, picture, 0);
-    const std::string whole = core::readTextFile(
+    const std::string whole = files::readTextFile(
         write(name, picture, is_plain ? std::vector<int>{cv::IMWRITE_PXM_BINARY, 0} : std::vector<int>{}));
     EXPECT_NO_THROW(loadPlan(folder_ / name)) << name;
     // A plain PGM's last number may be cut, and then it is another whole picture.
@@ -310,7 +310,7 @@ TEST_F(Plans, RefuseEveryCutOfAPictureWithoutANoise) {
           << name << " " << length;
   }
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
-  const std::string png = core::readTextFile(folder_ / "a.png");
+  const std::string png = files::readTextFile(folder_ / "a.png");
   EXPECT_THAT(errorOf(write("cut.png", png.substr(0, png.size() - 20))),
               HasSubstr(": the picture is truncated: a PNG chunk at byte 33 needs"));
   EXPECT_EQ(errorOf(write("cut.png", png.substr(0, png.size() - 12))),

@@ -67,15 +67,15 @@ void tidy(world::Plan& plan) {
 
 void requireSize(const char* key, double size_m) {
   if (size_m < 5 || size_m > 200)
-    throw core::InputError("[building] " + std::string(key) + ": found " + core::formatNumber(size_m) +
+    throw core::InputError("[building] " + std::string(key) + ": found " + files::formatNumber(size_m) +
                            ", expected 5 to 200, or 0 for the kind's own");
 }
 
 }  // namespace
 
-const core::ParameterTable<BuildingOptions>& BuildingOptions::table() {
+const files::ParameterTable<BuildingOptions>& BuildingOptions::table() {
   using O = BuildingOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "building",
       {{"width_m", &O::width_m, 0.0, 0.0, 200.0, "outer width, 5 to 200; 0 = the kind's own"},
        {"height_m", &O::height_m, 0.0, 0.0, 200.0, "outer height, 5 to 200; 0 = the kind's own"},
@@ -122,13 +122,13 @@ GeneratedBuilding generateBuilding(const std::string& kind, const BuildingOption
   orOwn(o.corridor_m, drawer->kind.corridor_m), orOwn(o.room_m, drawer->kind.room_m);
   requireSize("width_m", o.width_m), requireSize("height_m", o.height_m);
   if (o.corridor_m < 1)
-    throw core::InputError("[building] corridor_m: found " + core::formatNumber(o.corridor_m) +
+    throw core::InputError("[building] corridor_m: found " + files::formatNumber(o.corridor_m) +
                            ", expected 1 to 8, or 0 for the kind's own");
   if (o.room_m < 2.5)
-    throw core::InputError("[building] room_m: found " + core::formatNumber(o.room_m) +
+    throw core::InputError("[building] room_m: found " + files::formatNumber(o.room_m) +
                            ", expected 2.5 to 200, or 0 for the kind's own");
   if (o.pillars_m > 0 && o.pillars_m < 3)
-    throw core::InputError("[building] pillars_m: found " + core::formatNumber(o.pillars_m) +
+    throw core::InputError("[building] pillars_m: found " + files::formatNumber(o.pillars_m) +
                            ", expected 3 to 80, or 0 for a furnished hall");
   const bool stands = o.height_m > o.width_m;
   if (stands) std::swap(o.width_m, o.height_m);

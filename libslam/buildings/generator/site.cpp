@@ -54,10 +54,10 @@ void Site::requireInside(const std::string& kind, int least_width, int least_hei
   if (width >= least_width && height >= least_height) return;
   const auto metres = [this](int cells_inside) {  // up to the next decimetre
     const double m = (cells_inside + 2 * canvas.scale().rim) * options.resolution_m;
-    return core::formatNumber(std::max(5.0, std::ceil(m * 10 - 1e-6) / 10));
+    return files::formatNumber(std::max(5.0, std::ceil(m * 10 - 1e-6) / 10));
   };
-  throw core::InputError("[building] width_m, height_m: found " + core::formatNumber(options.width_m) +
-                         " x " + core::formatNumber(options.height_m) + ", expected at least " +
+  throw core::InputError("[building] width_m, height_m: found " + files::formatNumber(options.width_m) +
+                         " x " + files::formatNumber(options.height_m) + ", expected at least " +
                          metres(std::max(least_width, least_height)) + " x " + metres(least_height) +
                          " for '" + kind + "', either way round");
 }

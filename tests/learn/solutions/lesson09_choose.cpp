@@ -1,4 +1,4 @@
-std::optional<Mine::Choice> Mine::choose(const slam::navigate::Scene& scene) {
+std::optional<Mine::Choice> Mine::choose(const slam::strategies::Scene& scene) {
   std::size_t best = 0;
   double most = -1;
   for (std::size_t i = 0; i < scene.viewpoints.size(); ++i) {

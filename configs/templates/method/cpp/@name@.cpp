@@ -8,7 +8,7 @@
 
 // Edit here: this is dead reckoning by the library's own ICP between consecutive scans. It forgets every scan
 // but the last, so it drifts; a map to match against would hold it.
-slam::core::Pose2 @Name@::update(const slam::robot::Scan& scan, const slam::core::Pose2& T_previous_current) {
+slam::core::Pose2 @Name@::update(const slam::lidar::Scan& scan, const slam::core::Pose2& T_previous_current) {
   const auto motion = odometry_->update(scan);
   if (!is_first_) T_map_robot_ = T_map_robot_ * (motion.reliable ? motion.T_previous_current : T_previous_current);
   is_first_ = false;

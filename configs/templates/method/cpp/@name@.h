@@ -11,7 +11,7 @@ class @Name@ {
   @Name@();
   /// T_map_robot at the new scan; the map's frame is the robot's at the first one. T_previous_current: the
   /// motion since the scan before, as the wheels have it.
-  slam::core::Pose2 update(const slam::robot::Scan& scan, const slam::core::Pose2& T_previous_current);
+  slam::core::Pose2 update(const slam::lidar::Scan& scan, const slam::core::Pose2& T_previous_current);
 
  private:
   std::unique_ptr<slam::odometry::ScanOdometry> odometry_;

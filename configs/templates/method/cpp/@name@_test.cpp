@@ -7,8 +7,8 @@
 namespace {
 
 /// What a lidar sees in a room of 6 x 4 m, in the middle but for x ahead.
-slam::robot::Scan scanAt(double time_s, double x) {
-  slam::robot::Scan scan;
+slam::lidar::Scan scanAt(double time_s, double x) {
+  slam::lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = -slam::core::kPi;
   scan.step_rad = slam::core::kPi / 180;

@@ -8,7 +8,7 @@ using slam::goals::GoalStep;
 
 // Edit here. This one takes, of the directions in which the robot fits for two steps, the one nearest to the
 // goal's: it gets round what is small, and is caught by what is hollow.
-GoalStep @Name@::plan(const slam::robot::Scan& /*scan*/, const slam::core::Pose2& T_odom_robot) {
+GoalStep @Name@::plan(const slam::lidar::Scan& /*scan*/, const slam::core::Pose2& T_odom_robot) {
   constexpr int kDirections = 72;
   const double to_goal = goalDirection(T_odom_robot);
   const double needed_m = std::min(2 * surroundings_.step_m(), goalDistance(T_odom_robot));
@@ -23,7 +23,7 @@ GoalStep @Name@::plan(const slam::robot::Scan& /*scan*/, const slam::core::Pose2
   return {surroundings_.stand(), GoalStatus::kMoving, "stand", "the robot fits nowhere"};
 }
 
-slam::explore::OwnNavigator ownNavigator() {
+slam::reach::OwnNavigator ownNavigator() {
   return {"@name@", [](const slam::goals::NavigateOptions& options, const slam::goals::GoalTask& task) {
             return std::make_unique<@Name@>(options, task);
           }};

@@ -29,15 +29,15 @@ slam::world::Plan room() {
 
 int main() {
   setenv("RASTERSLAM_DATA", RASTERSLAM_DATA_FOLDER, 0);
-  slam::explore::ReachGoalRequest request;
+  slam::reach::ReachGoalRequest request;
   request.plan = room();
   request.T_world_start = {1, 1.5, 0};
   request.p_world_goal = {4, 1.5};
-  slam::core::IniFile settings;
+  slam::files::IniFile settings;
   settings.set("navigate", "time_limit_s", "60", "test");
-  request.config = slam::explore::readReachGoalConfig(settings);
+  request.config = slam::reach::readReachGoalConfig(settings);
   request.own = {ownNavigator()};
-  const auto run = slam::explore::driveToGoal(request, "@name@", slam::core::silentProgress());
+  const auto run = slam::reach::driveToGoal(request, "@name@", slam::core::silentProgress());
   expect(run.status == slam::goals::GoalStatus::kReached, "it reaches a goal behind a pillar");
   expect(run.collisions == 0, "no collision");
   return failures;

@@ -6,26 +6,26 @@
 #include <vector>
 
 #include "@name@.h"
-#include "libslam/core/resources.h"
+#include "libslam/resources/resources.h"
 #include "libslam/world/plan.h"
 
 int main(int argc, char** argv) try {
   setenv("RASTERSLAM_DATA", RASTERSLAM_DATA_FOLDER, 0);
   const auto word = [&](int i, const char* otherwise) { return std::string(i < argc ? argv[i] : otherwise); };
-  slam::core::IniFile settings;
+  slam::files::IniFile settings;
   settings.set("navigate", "time_limit_s", "300", "main.cpp");
-  slam::explore::ReachGoalRequest request;
-  request.config = slam::explore::readReachGoalConfig(settings);
-  request.plan = slam::world::loadPlan(slam::core::resolvePlan(word(1, "pillar_hall")));
-  request.p_world_goal = slam::explore::parsePlace(word(2, "20,17"), "goal");
+  slam::reach::ReachGoalRequest request;
+  request.config = slam::reach::readReachGoalConfig(settings);
+  request.plan = slam::world::loadPlan(slam::resources::resolvePlan(word(1, "pillar_hall")));
+  request.p_world_goal = slam::reach::parsePlace(word(2, "20,17"), "goal");
   request.output = word(3, "@name@_out");
   request.seed = std::strtoull(word(4, "1").c_str(), nullptr, 10);
-  request.T_world_start = slam::explore::goalStart(request.plan, request.config, "auto");
+  request.T_world_start = slam::reach::goalStart(request.plan, request.config, "auto");
   request.own = {ownNavigator()};
   request.methods = {"@name@", "tangent"};
   request.slam = "naive_flow";
-  request.methods_folder = slam::core::configsFolder() + "/methods";
-  const auto result = slam::explore::reachGoal(request, {}, slam::core::silentProgress());
+  request.methods_folder = slam::resources::configsFolder() + "/methods";
+  const auto result = slam::reach::reachGoal(request, {}, slam::core::silentProgress());
   std::cout << slam::table::toText(result.table) << "\npaths, states, logs: " << request.output << "\n";
   return 0;
 } catch (const std::exception& error) {

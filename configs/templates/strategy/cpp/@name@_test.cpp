@@ -3,8 +3,8 @@
 #include <cstdlib>
 
 #include "@name@.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/resources.h"
 
 namespace {
 
@@ -17,17 +17,17 @@ void expect(bool holds, const char* what) {
 
 int main() {
   setenv("RASTERSLAM_DATA", RASTERSLAM_DATA_FOLDER, 0);
-  slam::core::IniFile settings;
+  slam::files::IniFile settings;
   settings.set("simulation", "duration_s", "60", "test");
   settings.set("lidar", "beams", "181", "test");
   slam::explore::ExploreRequest request;
-  request.plan_path = slam::core::resolvePlan("flat");
+  request.plan_path = slam::resources::resolvePlan("flat");
   request.strategies = {slam::explore::readExploreConfig(settings)};
   request.strategies.front().own = ownStrategy();
   request.slam = slam::explore::kTruthReference;
-  request.methods_folder = slam::core::configsFolder() + "/methods";
+  request.methods_folder = slam::resources::configsFolder() + "/methods";
   request.tables_only = true;
-  const slam::core::ScratchFolder scratch;
+  const slam::files::ScratchFolder scratch;
   request.output = scratch / "out";
   const auto run = slam::explore::explore(request, {}, slam::core::silentProgress()).runs.front();
   expect(run.strategy == "@name@", "it is this strategy that ran");

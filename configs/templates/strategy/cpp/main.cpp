@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "@name@.h"
-#include "libslam/core/resources.h"
+#include "libslam/resources/resources.h"
 
 int main(int argc, char** argv) try {
   setenv("RASTERSLAM_DATA", RASTERSLAM_DATA_FOLDER, 0);
   const auto word = [&](int i, const char* otherwise) { return std::string(i < argc ? argv[i] : otherwise); };
-  slam::core::IniFile settings;
+  slam::files::IniFile settings;
   settings.set("simulation", "duration_s", word(4, "300"), "SECONDS");
   settings.set("strategy", "name", "nearest_frontier", "main.cpp");
   const auto theirs = slam::explore::readExploreConfig(settings);
@@ -19,10 +19,10 @@ int main(int argc, char** argv) try {
   mine.own = ownStrategy();
 
   slam::explore::ExploreRequest request;
-  request.plan_path = slam::core::resolvePlan(word(1, "flat"));
+  request.plan_path = slam::resources::resolvePlan(word(1, "flat"));
   request.strategies = {mine, theirs};
   request.slam = slam::explore::kTruthReference;  // strategies are compared here, not SLAM; "graph" is the real thing
-  request.methods_folder = slam::core::configsFolder() + "/methods";
+  request.methods_folder = slam::resources::configsFolder() + "/methods";
   request.output = word(2, "@name@_out");
   request.seed = std::strtoull(word(3, "1").c_str(), nullptr, 10);
   const auto result = slam::explore::explore(request, {}, slam::core::silentProgress());

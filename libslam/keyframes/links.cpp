@@ -1,0 +1,125 @@
+#include "libslam/keyframes/links.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <queue>
+
+namespace slam::keyframes {
+
+void Links::join(int a, int b, double length_m) {
+  links_[static_cast<size_t>(a)].push_back({b, length_m});
+  links_[static_cast<size_t>(b)].push_back({a, length_m});
+}
+
+void Links::remove(int keyframe) {
+  auto& own = links_[static_cast<size_t>(keyframe)];
+  const auto nearest = std::min_element(own.begin(), own.end(), [](const Link& a, const Link& b) {
+    return std::pair(a.length_m, a.to) < std::pair(b.length_m, b.to);
+  });
+  for (const Link& link : own) {
+    auto& theirs = links_[static_cast<size_t>(link.to)];
+    theirs.erase(
+        std::remove_if(theirs.begin(), theirs.end(), [&](const Link& l) { return l.to == keyframe; }),
+        theirs.end());
+  }
+  for (const Link& link : own) {
+    const auto& theirs = links_[static_cast<size_t>(nearest->to)];
+    const bool is_known =
+        link.to == nearest->to ||
+        std::any_of(theirs.begin(), theirs.end(), [&](const Link& l) { return l.to == link.to; });
+    if (!is_known) join(nearest->to, link.to, nearest->length_m + link.length_m);
+  }
+  own = {};
+}
+
+void Links::measure(const std::vector<core::Pose2>& poses) {
+  for (size_t i = 0; i < links_.size(); ++i)
+    for (Link& link : links_[i])
+      link.length_m = core::distance(poses[i], poses[static_cast<size_t>(link.to)]);
+}
+
+std::vector<std::pair<double, int>> Links::around(const std::vector<core::Pose2>& poses, int start,
+                                                  const core::Point2& centre, double path_m,
+                                                  double radius_m) const {
+  reached_.resize(links_.size(), -1);
+  touched_.clear(), queue_.clear();
+  reached_[static_cast<size_t>(start)] = 0;
+  touched_.push_back(start);
+  queue_.push_back({0, start});
+  const double near2 = radius_m * radius_m, far2 = 2.25 * near2;
+  std::vector<std::pair<double, int>> near;
+  while (!queue_.empty()) {
+    std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
+    const auto [length_m, k] = queue_.back();
+    queue_.pop_back();
+    if (length_m > reached_[static_cast<size_t>(k)]) continue;
+    const double dx = poses[static_cast<size_t>(k)].x - centre.x,
+                 dy = poses[static_cast<size_t>(k)].y - centre.y;
+    const double away2 = dx * dx + dy * dy;
+    if (away2 <= near2) near.push_back({away2, k});
+    if (away2 > far2) continue;
+    for (const Link& link : links_[static_cast<size_t>(k)]) {
+      const double reach = length_m + link.length_m;
+      double& best = reached_[static_cast<size_t>(link.to)];
+      if (reach > path_m || (best >= 0 && best <= reach)) continue;
+      if (best < 0) touched_.push_back(link.to);
+      best = reach;
+      queue_.push_back({reach, link.to});
+      std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+    }
+  }
+  for (const int k : touched_) reached_[static_cast<size_t>(k)] = -1;
+  std::sort(near.begin(), near.end());
+  return near;
+}
+
+std::vector<double> shortestWays(const std::vector<double>& path_m,
+                                 const std::vector<std::pair<int, int>>& closures, int from) {
+  // Gates: the ends of closures, by their place along the path; ends of one closure lie in one place.
+  struct Gate {
+    double at_m;
+    size_t mate;
+  };
+  std::vector<std::pair<double, size_t>> order;
+  const auto at = [&](int k) { return path_m[static_cast<size_t>(k)]; };
+  for (const auto& [a, b] : closures)
+    order.push_back({at(a), order.size()}), order.push_back({at(b), order.size()});
+  std::sort(order.begin(), order.end());
+  std::vector<size_t> place(order.size());
+  for (size_t i = 0; i < order.size(); ++i) place[order[i].second] = i;
+  std::vector<Gate> gates;
+  gates.reserve(order.size());
+  for (const auto& [at_m, end] : order) gates.push_back({at_m, place[end ^ 1U]});
+
+  // From gate to gate it is enough to go to the next ones along the path, and through the closure.
+  std::vector<double> way(gates.size());
+  std::priority_queue<std::pair<double, size_t>, std::vector<std::pair<double, size_t>>, std::greater<>>
+      queue;
+  for (size_t g = 0; g < gates.size(); ++g) queue.push({way[g] = std::abs(gates[g].at_m - at(from)), g});
+  while (!queue.empty()) {
+    const auto [way_m, g] = queue.top();
+    queue.pop();
+    if (way_m > way[g]) continue;
+    const auto reach = [&, so_far_m = way_m](size_t other, double length_m) {
+      if (so_far_m + length_m < way[other]) queue.push({way[other] = so_far_m + length_m, other});
+    };
+    reach(gates[g].mate, 0);
+    if (g > 0) reach(g - 1, gates[g].at_m - gates[g - 1].at_m);
+    if (g + 1 < gates.size()) reach(g + 1, gates[g + 1].at_m - gates[g].at_m);
+  }
+
+  // And from a keyframe to the gates beside it.
+  std::vector<double> result(static_cast<size_t>(from));
+  size_t next = 0;
+  for (size_t i = 0; i < result.size(); ++i) {
+    while (next < gates.size() && gates[next].at_m < path_m[i]) ++next;
+    result[i] = std::abs(path_m[i] - at(from));
+    if (next > 0) result[i] = std::min(result[i], way[next - 1] + (path_m[i] - gates[next - 1].at_m));
+    if (next < gates.size()) result[i] = std::min(result[i], way[next] + (gates[next].at_m - path_m[i]));
+  }
+  return result;
+}
+
+}  // namespace slam::keyframes

@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/core/elementary.h"
+#include "libslam/core/rigid_motion2.h"
+#include "libslam/keyframes/keyframe_map.h"
+#include "libslam/keyframes/matching.h"
+
+namespace slam::keyframes {
+
+using core::Point2;
+using core::Pose2;
+using scanmatch::PatchPoint;
+
+namespace {
+
+constexpr int kPartnerStep = 3;
+
+/// Two partners of a keyframe are so many keyframes apart: neighbours would say the same twice.
+bool isApart(int keyframe, const std::vector<int>& others) {
+  return std::none_of(others.begin(), others.end(),
+                      [&](int other) { return std::abs(other - keyframe) < kPartnerStep; });
+}
+
+}  // namespace
+
+double View::conflict() const {
+  return agreed + passed == 0 ? 0 : static_cast<double>(passed) / (agreed + passed);
+}
+
+Sight sight(const lidar::Scan& seen, const Point2& p_lidar) {
+  const auto& ranges = seen.ranges_m;
+  // Half of what two walls are apart at least; and beams are compared with their neighbours.
+  constexpr double kSame_m = 0.3;
+  double angle = core::atan2(p_lidar.y, p_lidar.x) - seen.first_angle_rad;
+  if (angle < 0) angle += 2 * core::kPi;
+  const auto beam = std::lround(angle / seen.step_rad);
+  if (beam < 1 || beam + 1 >= static_cast<long>(ranges.size())) return Sight::kUnseen;
+  const double distance_m = core::hypot(p_lidar.x, p_lidar.y);
+  double off_m = 1e9, nearest_m = 1e9;
+  for (long b = beam - 1; b <= beam + 1; ++b) {
+    const float range_m = ranges[static_cast<size_t>(b)];
+    if (!lidar::isReturn(range_m)) continue;
+    off_m = std::min(off_m, std::abs(range_m - distance_m));
+    nearest_m = std::min(nearest_m, static_cast<double>(range_m));
+  }
+  if (off_m < kSame_m) return Sight::kAgreed;
+  return nearest_m < 1e9 && nearest_m > distance_m + kSame_m ? Sight::kPassed : Sight::kUnseen;
+}
+
+Sight KeyframeMap::sight(int viewer, const Point2& p_lidar) const {
+  return keyframes::sight(keyframe(viewer).seen, p_lidar);
+}
+
+std::vector<Pose2> KeyframeMap::lidarsOf(const std::vector<int>& viewers) const {
+  std::vector<Pose2> T_lidars_map;
+  T_lidars_map.reserve(viewers.size());
+  for (const int viewer : viewers)
+    T_lidars_map.push_back(core::inverse(graph_.pose(viewer) * keyframe(viewer).seen.T_robot_lidar));
+  return T_lidars_map;
+}
+
+View KeyframeMap::view(int viewer, const Pose2& T_viewer_points,
+                       const std::vector<PatchPoint>& points) const {
+  return keyframes::view(keyframe(viewer).seen, T_viewer_points, points);
+}
+
+View view(const lidar::Scan& scan, const Pose2& T_viewer_points, const std::vector<PatchPoint>& points,
+          size_t stride) {
+  const core::RigidMotion2 T_lidar_points(core::inverse(scan.T_robot_lidar) * T_viewer_points);
+  View result;
+  for (size_t i = 0; i < points.size(); i += stride) {
+    const Sight seen = sight(scan, T_lidar_points * position(points[i]));
+    if (seen == Sight::kAgreed) ++result.agreed;
+    if (seen == Sight::kPassed) ++result.passed;
+  }
+  return result;
+}
+
+double KeyframeMap::meanConflict(const std::vector<int>& viewers, const Pose2& T_map_points,
+                                 const std::vector<PatchPoint>& points) const {
+  double sum = 0;
+  for (const int viewer : viewers)
+    sum += view(viewer, core::between(graph_.pose(viewer), T_map_points), points).conflict();
+  return viewers.empty() ? 0 : sum / static_cast<double>(viewers.size());
+}
+
+Told KeyframeMap::toldBy(const std::vector<int>& viewers, const std::vector<PatchPoint>& points,
+                         const Pose2& T_map_robot, const lidar::Scan* scan) const {
+  Told told;
+  if (viewers.empty() || points.empty()) return told;
+  const auto add = [](const View& seen, size_t asked, double& passed, double& share) {
+    const double all = static_cast<double>((asked + kStride - 1) / kStride);
+    passed += seen.passed / all;
+    share += (seen.agreed + seen.passed) / all;
+  };
+  for (const int viewer : viewers) {
+    double passed = 0, theirs = 0, its = 0;
+    const Pose2 T_viewer_scan = core::between(graph_.pose(viewer), T_map_robot);
+    add(keyframes::view(keyframe(viewer).seen, T_viewer_scan, points, kStride), points.size(), passed,
+        theirs);
+    const auto& known = keyframe(viewer).points;
+    if (scan != nullptr && !known.empty())
+      add(keyframes::view(*scan, core::inverse(T_viewer_scan), known, kStride), known.size(), passed, its);
+    if (theirs + its > 0) told.contradicted += passed / (theirs + its);
+    told.telling += std::max(theirs, its);
+  }
+  told.contradicted /= static_cast<double>(viewers.size());
+  told.telling /= static_cast<double>(viewers.size());
+  return told;
+}
+
+std::vector<int> KeyframeMap::partnersOf(int k, const std::vector<int>& near,
+                                         const Pose2& T_map_robot) const {
+  std::vector<int> partners;
+  const auto& points = keyframe(k).points;
+  for (const int other : near) {
+    if (other == k || !isApart(other, partners)) continue;
+    if (other != keyframeBefore(k)) {
+      const View seen = view(other, core::between(graph_.pose(other), T_map_robot), points);
+      if (seen.conflict() > options_.link_conflict ||
+          seen.agreed < options_.link_agreed * static_cast<double>(points.size()))
+        continue;
+    }
+    partners.push_back(other);
+    if (static_cast<int>(partners.size()) == options_.edges_per_keyframe) break;
+  }
+  return partners;
+}
+
+/// Of what speaks of a scan's place, the share that speaks against it, when the map explains so much of the
+/// scan.
+double Told::against(double explained) const {
+  const double against = contradicted * telling;
+  return against + explained > 0 ? against / (against + explained) : 0;
+}
+
+}  // namespace slam::keyframes

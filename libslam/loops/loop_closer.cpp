@@ -1,0 +1,224 @@
+#include "libslam/loops/loop_closer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
+
+namespace slam::loops {
+namespace {
+
+using core::Pose2;
+
+/// Travel to the next search, by the last one's window; never so far that two searches share no scan.
+constexpr double kPausePerReach = 0.1, kRivalPause = 2;
+/// 95 of 100 right loops have no larger innovation (chi-square, three degrees of freedom). How many times as
+/// far others are followed, at most.
+constexpr double kLikelyInnovation = 7.8, kMostUnlikely = 4;
+
+}  // namespace
+
+/// Whether keyframe k by itself fits the old map where the hypothesis puts it; the hypothesis moves on to k
+/// then. What of the scan lies beyond the old map neither fits nor fails.
+void LoopCloser::confirm(keyframes::Hypothesis& hypothesis, int k) const {
+  const Pose2 expected =
+      hypothesis.T_map_robot * core::between(map_->pose(hypothesis.keyframe), map_->pose(k));
+  std::vector<int> around;
+  for (const int old : map_->keyframesAround(hypothesis.old_keyframe, core::position(expected),
+                                             options_->map_path_m, options_->map_radius_m)) {
+    const bool is_old =
+        old < k && map_->keyframe(k).path_m - map_->keyframe(old).path_m > options_->map_path_m / 2;
+    if (is_old && static_cast<int>(around.size()) < options_->map_keyframes) around.push_back(old);
+  }
+  if (around.empty()) {
+    hypothesis.says[k] = {0, 1};
+    ++hypothesis.failures;
+    return;
+  }
+  const keyframes::LevelMaps& maps = map_->mapOf(around, core::position(expected));
+  const auto& points = map_->keyframe(k).points;
+  const auto viewers = keyframes::firstOf(around, keyframes::kViewers);
+  const auto matched = keyframes::match(points, maps, expected, keyframes::followedTo(expected), 0, false);
+  const double conflict = map_->meanConflict(viewers, matched.T_map_robot, points);
+  const double unknown =
+      1 -
+      std::min(map_->toldBy(keyframes::firstOf(around, keyframes::kAskedViewers), points, expected).telling,
+               1.0);
+  const bool is_there =
+      conflict < options_->loop_conflict && keyframes::isFollowed(matched.T_map_robot, expected);
+  hypothesis.says[k] = {is_there ? keyframes::kNatsPerScan * (matched.score - conflict) : 0, unknown};
+  if (!is_there || matched.score < options_->loop_confirm_score) {
+    hypothesis.failures += !is_there || matched.score + unknown < options_->loop_confirm_score;
+    return;
+  }
+  hypothesis.evidence += keyframes::distinctness(points, maps, matched);
+  map_->addLoopEdges(hypothesis.edges, around, k, matched.T_map_robot, maps.fine);
+  hypothesis.keyframe = k, hypothesis.old_keyframe = around.front();
+  hypothesis.T_map_robot = matched.T_map_robot;
+  ++hypothesis.confirmations;
+}
+
+/// Whether a place was followed for long enough that it would be known if another one were as good: the
+/// longer, the less likely the way between makes it.
+bool LoopCloser::isFollowedEnough(keyframes::Hypothesis& place, LoopJudge& judge) const {
+  const double followed_m = map_->path_m() - place.begun_m;
+  if (followed_m < options_->loop_confirm_m) return false;
+  const bool is_joined = map_->componentOf(place.keyframe) == map_->componentOf(place.old_keyframe);
+  if (is_joined) {
+    // To ask is dear, and it stays as it is.
+    if (!(place.innovation >= 0)) place.innovation = judge.innovation(place);
+    const double unlikely = std::min(place.innovation / kLikelyInnovation, kMostUnlikely);
+    if (followed_m < options_->loop_confirm_m * unlikely) return false;
+  }
+  // So much farther on the robot is well within the map, wherever it came to it.
+  return judge.isBest(
+      place, hypotheses_,
+      followed_m < options_->map_radius_m ? LoopJudge::Beyond::kCounts : LoopJudge::Beyond::kIsNoRival);
+}
+
+std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
+  if (closing_) return std::nullopt;
+  const int k = map_->lastKeyframe();
+  for (size_t i = 0; i < hypotheses_.size();) {
+    keyframes::Hypothesis& hypothesis = hypotheses_[i];
+    confirm(hypothesis, k);
+    if (hypothesis.failures > keyframes::kMostFailures) {
+      map_->note(core::JournalEvent::kDropped, hypothesis.confirmations, hypothesis.old_keyframe);
+      hypotheses_.erase(hypotheses_.begin() + static_cast<long>(i));
+    } else {
+      ++i;
+    }
+  }
+  LoopJudge of_places = judge();
+  const auto confirmed =
+      std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](keyframes::Hypothesis& one) {
+        return one.confirmations >= options_->loop_confirmations &&
+               one.evidence >= options_->loop_distinctness && isFollowedEnough(one, of_places);
+      });
+  if (confirmed != hypotheses_.end()) {
+    const keyframes::Hypothesis loop = *confirmed;
+    hypotheses_.clear();
+    if (const auto accepted = accept(loop, of_places)) return accepted;
+  }
+  // A wide search is dear, and what it would find is still there some metres on.
+  const double pause_m = std::max(options_->loop_every_m,
+                                  std::min(kPausePerReach * searched_reach_m_, options_->loop_path_m / 2));
+  // While a place is followed only a rival is still looked for.
+  if (map_->path_m() - searched_m_ < (hypotheses_.empty() ? 1 : kRivalPause) * pause_m) return std::nullopt;
+  searched_m_ = map_->path_m();
+  int first = k;
+  while (first > 0 && k - first < keyframes::kMostQueryKeyframes &&
+         map_->path_m() - map_->keyframe(first - 1).path_m < options_->loop_path_m)
+    --first;
+  for (keyframes::Hypothesis& found : findLoop(k, first, k)) follow(found);
+  return std::nullopt;
+}
+
+/// Whether a hypothesis that is followed has the keyframe there.
+bool LoopCloser::isFollowing(int keyframe, const Pose2& T_map_robot) const {
+  return std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const keyframes::Hypothesis& known) {
+    const Pose2 expected =
+        known.T_map_robot * core::between(map_->pose(known.keyframe), map_->pose(keyframe));
+    return core::distance(expected, T_map_robot) < 0.5 &&
+           std::abs(core::angleDifference(expected.phi, T_map_robot.phi)) < 0.1;
+  });
+}
+
+/// A hypothesis about the newest keyframe joins those that are followed, unless one of them says the same.
+void LoopCloser::follow(keyframes::Hypothesis& found) {
+  if (isFollowing(found.keyframe, found.T_map_robot)) return;
+  confirm(found, found.keyframe);
+  if (found.failures == 0) hypotheses_.push_back(found);
+}
+
+void LoopCloser::searchRemainingLoops(int first_searched, const std::function<void()>& moved) {
+  hypotheses_.clear();
+  const int n = map_->size();
+  double searched_m = -1e9;
+  for (int k = first_searched; k < n; ++k) {
+    const double at_m = map_->keyframe(k).path_m;
+    if (at_m - searched_m < 2 * options_->loop_every_m) continue;
+    searched_m = at_m;
+    int first = k, last = k;
+    while (first > 0 && at_m - map_->keyframe(first - 1).path_m < options_->loop_path_m / 2) --first;
+    while (last + 1 < n && map_->keyframe(last + 1).path_m - at_m < options_->loop_path_m / 2) ++last;
+    std::vector<keyframes::Hypothesis> places = findLoop(k, first, last);
+    for (keyframes::Hypothesis& forth : places) {
+      keyframes::Hypothesis back = forth;
+      for (int i = k; i <= last; ++i) confirm(forth, i);
+      for (int i = k - 1; i >= first; --i) confirm(back, i);
+      forth.confirmations += back.confirmations, forth.evidence += back.evidence;
+      forth.says.merge(back.says);
+      forth.edges.insert(forth.edges.end(), back.edges.begin(), back.edges.end());
+    }
+    LoopJudge of_places = judge();
+    const auto best = std::find_if(places.begin(), places.end(), [&](const keyframes::Hypothesis& one) {
+      return one.confirmations >= options_->loop_confirmations && 2 * one.confirmations >= last - first + 1 &&
+             one.evidence >= options_->loop_distinctness &&
+             of_places.isBest(one, places, LoopJudge::Beyond::kIsNoRival);
+    });
+    if (best == places.end() || !accept(*best, of_places)) continue;
+    completeClosing();
+    moved();
+  }
+}
+
+/// The innovation of a loop that what was measured on the way rules out; nothing where it allows for it.
+std::optional<double> LoopCloser::ruledOutBy(const keyframes::Hypothesis& loop, LoopJudge& judge) const {
+  if (map_->componentOf(loop.keyframe) != map_->componentOf(loop.old_keyframe)) return std::nullopt;
+  const double off = judge.innovation(loop);
+  if (off <= options_->loop_innovation) return std::nullopt;
+  return off;
+}
+
+std::optional<LoopCloser::Accepted> LoopCloser::accept(const keyframes::Hypothesis& loop) {
+  LoopJudge as_it_stands = judge();
+  return accept(loop, as_it_stands);
+}
+
+std::optional<LoopCloser::Accepted> LoopCloser::accept(const keyframes::Hypothesis& loop, LoopJudge& judge) {
+  const int k = loop.keyframe, old = loop.old_keyframe;
+  map_->note(core::JournalEvent::kConfirmed, loop.confirmations, old,
+             "distinct by " + std::to_string(loop.evidence));
+  if (const auto off = ruledOutBy(loop, judge)) {
+    map_->note(core::JournalEvent::kRejected, *off, old);
+    return std::nullopt;
+  }
+  const double way_m = map_->pathTo(std::max(k, old))[static_cast<size_t>(std::min(k, old))];
+  const int component = map_->componentOf(k), old_component = map_->componentOf(old);
+  const bool joins = component != old_component;
+  // The one that holds the map's origin stays.
+  const bool old_moves = joins && component == 0;
+  if (joins) {
+    const Pose2 T_map_part = loop.T_map_robot * core::inverse(map_->pose(k));
+    const Pose2 T = old_moves ? core::inverse(T_map_part) : T_map_part;
+    for (int i = 0; i < map_->size(); ++i)
+      if (map_->componentOf(i) == (old_moves ? old_component : component))
+        map_->graph().setPose(i, T * map_->pose(i));
+    map_->links().measure(map_->graph().poses());
+    map_->countRevision();
+  }
+  map_->addLoop(loop.edges);
+  map_->note(core::JournalEvent::kAccepted, way_m, old);
+  if (joins) {
+    const bool was_cut_off = map_->isCutOff(map_->lastKeyframe());
+    map_->joinComponents(component, old_component);
+    const bool is_back = was_cut_off && !map_->isCutOff(map_->lastKeyframe());
+    map_->note(is_back ? core::JournalEvent::kRecovered : core::JournalEvent::kJoined,
+               is_back ? loop.evidence : way_m, old);
+  }
+  beginClosing(loop, joins);
+  return Accepted{old, k, joins};
+}
+
+void LoopCloser::forget() {
+  searched_m_ = map_->path_m();
+  hypotheses_.clear();
+}
+
+LoopJudge LoopCloser::judge() const {
+  return LoopJudge([this] { return map_->witnesses(); }, map_->keyframes());
+}
+
+}  // namespace slam::loops

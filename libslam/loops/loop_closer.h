@@ -1,0 +1,82 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "libslam/keyframes/keyframe_map.h"
+#include "libslam/loops/loop_judge.h"
+#include "libslam/scanmatch/correlative_search.h"
+
+namespace slam::loops {
+
+/// Closes loops of a KeyframeMap: looks for places that were seen before, follows them until they are
+/// confirmed or not, and finds all poses anew, a piece with every scan. For the rooms of graph SLAM only.
+class LoopCloser {
+ public:
+  /// The map has to stay where it is.
+  explicit LoopCloser(keyframes::KeyframeMap& map) : map_(&map), options_(&map.options()) {}
+
+  /// What a loop has tied together. `joins`: two parts of the map that had no known place in one another.
+  struct Accepted {
+    int old_keyframe, keyframe;
+    bool joins;
+  };
+  /// Follows the hypotheses to the newest keyframe, accepts what is confirmed, and searches for more.
+  std::optional<Accepted> closeLoops();
+  /// With the whole path known a place can be looked at from both sides, and what drift had carried out of
+  /// reach may have come near. From keyframe `first` on: a map of before was searched then. Calls `moved()`
+  /// whenever the keyframes have moved.
+  void searchRemainingLoops(int first, const std::function<void()>& moved);
+  /// Nothing where what was measured on the way does not allow for it. Its poses follow, when it is closed.
+  /// REQUIRES that no other loop is being closed.
+  std::optional<Accepted> accept(const keyframes::Hypothesis& loop);
+  /// Forgets what is followed; the next search comes when the robot has moved on.
+  void forget();
+  bool isFollowing() const { return !hypotheses_.empty(); }
+
+  // closing.cpp
+  bool isClosing() const { return closing_.has_value(); }
+  /// One piece. True when the keyframes have moved, which waits until `may_move`.
+  bool continueClosing(bool may_move);
+  /// All that is left. True when there was something, and the keyframes have moved.
+  bool completeClosing();
+  /// Finds all poses anew by what was measured since the last loop, too: passes through one place that need
+  /// no loop say where the way between them went wrong. True when there was something.
+  bool closeRest();
+
+ private:
+  std::optional<Accepted> accept(const keyframes::Hypothesis& loop, LoopJudge& judge);
+  std::optional<double> ruledOutBy(const keyframes::Hypothesis& loop, LoopJudge& judge) const;
+  bool isFollowedEnough(keyframes::Hypothesis& place, LoopJudge& judge) const;
+  LoopJudge judge() const;
+  void confirm(keyframes::Hypothesis& hypothesis, int keyframe) const;
+  bool isFollowing(int keyframe, const core::Pose2& T_map_robot) const;
+  void follow(keyframes::Hypothesis& found);
+
+  // find_loop.cpp: where a place was seen before
+  keyframes::LoopSearch loopSearch(int keyframe) const;
+  void gatherQuery(keyframes::LoopSearch& search, int first, int last) const;
+  double loopReach(const keyframes::LoopSearch& search, int old) const;
+  std::vector<int> loopCandidates(const keyframes::LoopSearch& search) const;
+  std::vector<keyframes::Hypothesis> findLoop(int keyframe, int query_first, int query_last);
+  std::vector<keyframes::Hypothesis> loopsAt(const keyframes::LoopSearch& search, int old);
+  std::optional<keyframes::Hypothesis> loopFrom(const keyframes::LoopSearch& search, int old,
+                                                const std::vector<int>& around, const core::Pose2& T_found,
+                                                bool is_coarse, double least_score);
+
+  void beginClosing(const keyframes::Hypothesis& loop, bool is_linked);
+  void beginClosing();
+  void takeOver();
+
+  keyframes::KeyframeMap* map_;
+  const keyframes::GraphOptions* options_;
+  std::vector<keyframes::Hypothesis> hypotheses_;
+  std::optional<keyframes::Closing> closing_;
+  size_t solved_edges_ = 0;               ///< of the graph, when all poses were found last
+  double searched_m_ = 0;                 ///< where on the way the last search was
+  double searched_reach_m_ = 0;           ///< its window
+  scanmatch::LikelihoodPyramid pyramid_;  ///< of findLoop()
+};
+
+}  // namespace slam::loops

@@ -1,0 +1,59 @@
+#include "libslam/loops/loop_judge.h"
+
+#include <algorithm>
+
+#include "libslam/keyframes/search.h"
+#include "libslam/scanmatch/information.h"
+
+namespace slam::loops {
+namespace {
+
+using core::Pose2;
+
+/// Nats by which a loop is ahead of every other place that is followed: one wrong in a thousand.
+constexpr double kAheadOfRival = 7;
+
+/// Whether the map says something of most of what was seen, if it was seen there.
+bool isTold(const keyframes::Hypothesis& place) {
+  double unknown = 0;
+  for (const auto& [keyframe, said] : place.says) unknown += said.unknown;
+  return 2 * unknown < static_cast<double>(place.says.size());
+}
+
+}  // namespace
+
+double LoopJudge::innovation(const keyframes::Hypothesis& loop) {
+  if (loop.innovation >= 0) return loop.innovation;
+  if (!way_) {
+    const posegraph::PoseGraph graph = witnesses_();
+    poses_ = graph.poses();
+    way_.emplace(graph, posegraph::Marginals::Open::kBounded);
+  }
+  const Pose2& T_map_old = poses_[static_cast<size_t>(loop.old_keyframe)];
+  const Pose2 by_way = core::between(T_map_old, poses_[static_cast<size_t>(loop.keyframe)]),
+              by_scans = core::between(T_map_old, loop.T_map_robot);
+  const Eigen::Vector3d off(by_scans.x - by_way.x, by_scans.y - by_way.y,
+                            core::angleDifference(by_scans.phi, by_way.phi));
+  const Eigen::Matrix3d noise =
+      scanmatch::turned(keyframes_[static_cast<size_t>(loop.keyframe)].noise, T_map_old.phi);
+  const Eigen::Matrix3d expected =
+      way_->relative(loop.old_keyframe, loop.keyframe) + keyframes::kBothViews * noise;
+  return off.dot(scanmatch::covarianceOf(expected) * off);
+}
+
+bool LoopJudge::isBest(const keyframes::Hypothesis& loop, const std::vector<keyframes::Hypothesis>& others,
+                       Beyond beyond) {
+  return std::none_of(others.begin(), others.end(), [&](const keyframes::Hypothesis& other) {
+    if (&other == &loop || (beyond == Beyond::kIsNoRival && !isTold(other))) return false;
+    double ahead = (innovation(other) - innovation(loop)) / 2;
+    for (const auto& [keyframe, said] : loop.says) {
+      const auto rival = other.says.find(keyframe);
+      // What the map says nothing of may fit there.
+      if (rival != other.says.end())
+        ahead += said.nats - rival->second.nats - keyframes::kNatsPerScan * rival->second.unknown;
+    }
+    return ahead < kAheadOfRival;
+  });
+}
+
+}  // namespace slam::loops

@@ -1,0 +1,183 @@
+#include "libslam/loops/tracked_path.h"
+
+#include <utility>
+
+#include "libslam/core/error.h"
+#include "libslam/keyframes/keyframe_map.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/pose_error.h"
+#include "libslam/keyframes/search.h"
+#include "libslam/loops/loop_closer.h"
+#include "libslam/scanmatch/information.h"
+
+namespace slam::loops {
+
+using core::Pose2;
+
+TrackedPath::TrackedPath(const keyframes::GraphOptions& options)
+    : map_(std::make_unique<keyframes::KeyframeMap>(options)),
+      loops_(std::make_unique<LoopCloser>(*map_)),
+      here_(options.cell_m, options.blur_m, true) {}
+
+TrackedPath::~TrackedPath() = default;
+
+void TrackedPath::nextScan(double moved_m) {
+  if (has_begun_) map_->nextScan();
+  has_begun_ = true;
+  map_->drive(moved_m);
+}
+
+bool TrackedPath::addKeyframe(const std::vector<lidar::Scan>& seen, const Placed& placed) {
+  if (!has_begun_ || seen.empty()) throw core::ContractError("TrackedPath: a keyframe without a scan");
+  const auto& options = map_->options();
+  keyframes::Keyframe keyframe{};
+  for (const auto& scan : seen) {
+    const auto points = keyframes::pointsOf(scan, options);
+    keyframe.points.insert(keyframe.points.end(), points.begin(), points.end());
+  }
+  keyframe.scan = map_->scan();
+  keyframe.seen = seen.front();
+  if (seen.size() > 1) others_[map_->size()].assign(seen.begin() + 1, seen.end());
+  keyframe.path_m = map_->path_m();
+  keyframe.odometry_edge = keyframe.matched_to = -1;
+  const int k = map_->size();
+  std::vector<int> near;
+  scanmatch::MatchEvidence evidence;
+  keyframes::PoseError error;
+  if (k == 0) {
+    error.noise = error.covariance = Eigen::Matrix3d::Zero();
+  } else {
+    if (placed.is_matched) {
+      near = keyframes::firstOf(map_->keyframesAround(k - 1, core::position(placed.T_map_robot),
+                                                      options.map_path_m, options.map_radius_m),
+                                options.map_keyframes);
+      evidence = evidenceFrom(near, keyframe.points, placed);
+    }
+    error = errorOf(evidence, placed);
+  }
+  keyframe.noise = error.noise, keyframe.covariance = error.covariance;
+  keyframe.root = scanmatch::rootOf(error.covariance + error.noise);
+  map_->graph().addNode(placed.T_map_robot);
+  map_->keyframes().push_back(std::move(keyframe));
+  map_->links().addKeyframe();
+  if (k == 0) {
+    map_->graph().setFixed(0);
+    return false;
+  }
+  addOdometryEdge(k, placed);
+  map_->link(k - 1, k);
+  if (placed.is_matched) addMatchEdges(k, near, keyframes::toldInformation(evidence));
+  keyframes::noteMatch(*map_, evidence, error.least);
+  return options.loops && loops_->closeLoops() && loops_->completeClosing();
+}
+
+/// What a scan tells of its pose among these keyframes.
+scanmatch::MatchEvidence TrackedPath::evidenceFrom(const std::vector<int>& near,
+                                                   const std::vector<scanmatch::PatchPoint>& points,
+                                                   const Placed& placed) {
+  const Pose2& T_map_robot = placed.T_map_robot;
+  here_.clear(core::position(T_map_robot), keyframes::kMapReach_m);
+  for (const int k : near) here_.add(map_->keyframe(k).points, map_->pose(k), k);
+  auto evidence = evidenceOf(points, here_, T_map_robot, keyframes::kKernel);
+  map_->pointNoise().add(evidence);
+  if (placed.open) {
+    const Eigen::Vector3d along(placed.open->x, placed.open->y, 0);
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along * along.transpose();
+    for (auto& view : evidence.by_view) view.information = across * view.information * across;
+  }
+  return evidence;
+}
+
+/// As if the scan had been matched with the motion since the keyframe before as its prior.
+keyframes::PoseError TrackedPath::errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed) {
+  const Pose2& T_before = map_->pose(map_->lastKeyframe());
+  const Eigen::Matrix3d odometry = scanmatch::turned(placed.odometry_covariance, -T_before.phi);
+  const Eigen::Matrix3d posterior = keyframes::matchOptions(1).information_scale * evidence.information() +
+                                    scanmatch::covarianceOf(odometry);
+  const keyframes::PoseError error =
+      keyframes::errorAfterMatch(*map_, evidence, posterior, placed.T_map_robot,
+                                 {T_before, map_->keyframe(map_->lastKeyframe()).covariance, odometry});
+  // The first keyframe lies where it lies; what it saw does not.
+  if (map_->size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(error.noise);
+  return error;
+}
+
+void TrackedPath::addOdometryEdge(int k, const Placed& placed) {
+  posegraph::Edge edge;
+  edge.from = k - 1, edge.to = k;
+  edge.T_from_to = placed.T_before_robot;
+  edge.information = scanmatch::edgeInformation(scanmatch::covarianceOf(placed.odometry_covariance),
+                                                placed.T_before_robot.phi);
+  map_->keyframes().back().odometry_edge = map_->graph().addEdge(edge);
+}
+
+void TrackedPath::addMatchEdges(int k, const std::vector<int>& near, const Eigen::Matrix3d& information) {
+  const Pose2& T = map_->pose(k);
+  const auto partners = map_->partnersOf(k, near, T);
+  for (const int partner : partners) {
+    posegraph::Edge edge;
+    edge.from = partner, edge.to = k;
+    edge.T_from_to = core::between(map_->pose(partner), T);
+    edge.information = scanmatch::edgeInformation(information, T.phi) / static_cast<double>(partners.size());
+    map_->graph().addEdge(edge);
+    map_->link(partner, k);
+  }
+}
+
+bool TrackedPath::finish() {
+  if (size() == 0 || !map_->options().loops) return false;
+  bool have_moved = false;
+  loops_->searchRemainingLoops(0, [&] { have_moved = true; });
+  return loops_->closeRest() || have_moved;
+}
+
+int TrackedPath::size() const {
+  return map_->size();
+}
+
+int TrackedPath::scan(int k) const {
+  return map_->keyframe(k).scan;
+}
+
+const Pose2& TrackedPath::pose(int k) const {
+  return map_->pose(k);
+}
+
+const Eigen::Matrix3d& TrackedPath::covariance(int k) const {
+  return map_->keyframe(k).covariance;
+}
+
+std::vector<Pose2> TrackedPath::poses() const {
+  return map_->graph().poses();
+}
+
+std::vector<Eigen::Matrix3d> TrackedPath::covariances() const {
+  return size() == 0 ? std::vector<Eigen::Matrix3d>{} : map_->keyframeCovariances();
+}
+
+std::vector<lidar::Scan> TrackedPath::seen(int k) const {
+  std::vector<lidar::Scan> scans = {map_->keyframe(k).seen};
+  if (const auto others = others_.find(k); others != others_.end())
+    scans.insert(scans.end(), others->second.begin(), others->second.end());
+  return scans;
+}
+
+void TrackedPath::setPose(int k, const Pose2& T_map_robot) {
+  auto& graph = map_->graph();
+  const Pose2 T_was_is = core::between(graph.pose(k), T_map_robot);
+  graph.setPose(k, T_map_robot);
+  const int count = static_cast<int>(graph.edges().size());
+  for (int e = std::max(map_->keyframe(k).odometry_edge, 0); e < count; ++e) {
+    const auto& edge = graph.edges()[static_cast<size_t>(e)];
+    const bool is_odometry = map_->keyframe(edge.to).odometry_edge == e;
+    if (is_odometry || (edge.from != k && edge.to != k)) continue;
+    graph.setMeasurement(e,
+                         edge.to == k ? edge.T_from_to * T_was_is : core::inverse(T_was_is) * edge.T_from_to);
+  }
+}
+
+const std::vector<core::JournalEntry>& TrackedPath::journal() const {
+  return map_->journal();
+}
+
+}  // namespace slam::loops

@@ -1,0 +1,294 @@
+#include "libslam/rawlogs/rawlog_stream.h"
+
+#include <mrpt/maps/registerAllClasses.h>
+#include <mrpt/obs/CAction.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CObservation.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/rtti/CObject.h>
+#include <mrpt/serialization/CArchive.h>
+#include <mrpt/serialization/CSerializable.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "libslam/core/error.h"
+#include "libslam/files/memory_guard.h"
+
+namespace slam::rawlogs {
+namespace {
+
+[[noreturn]] void notOffered(const char* what) {
+  throw core::ContractError(std::string("rawlog stream: ") + what + " is not offered");
+}
+
+struct ObjectHeader {
+  std::string class_name;  ///< "" when no object starts here
+  bool is_cut = false;     ///< the bytes end inside what may be a header
+};
+
+/// The start of a serialized MRPT object, in one of two layouts: since MRPT 0.5.5 one byte with bit 7 set and
+/// the length of the class name, before that the length in four bytes, least first.
+ObjectHeader headerAt(const std::string& bytes) {
+  if (bytes.empty()) return {"", true};
+  const auto first = static_cast<unsigned char>(bytes[0]);
+  const bool old_layout = (first & 0x80U) == 0;
+  const size_t length = first & 0x7FU, start = old_layout ? 4 : 1;
+  const auto is_zero = [](char c) { return c == 0; };
+  const auto is_letter = [](char c) { return c > 32 && c < 127; };
+  const auto length_end = bytes.begin() + static_cast<std::ptrdiff_t>(std::min(start, bytes.size()));
+  if (length == 0 || !std::all_of(bytes.begin() + 1, length_end, is_zero)) return {};
+  const std::string name = bytes.substr(std::min(start, bytes.size()), length);
+  if (!std::all_of(name.begin(), name.end(), is_letter)) return {};
+  return name.size() < length ? ObjectHeader{"", true} : ObjectHeader{name, false};
+}
+
+/// How many log entries begin in the content of a file, up to where it cannot be unpacked, without parsing
+/// them: by the names in their headers. Observations count only in a log without frames; in frames they are
+/// parts.
+class EntryEstimate {
+ public:
+  void take(std::string_view content) {
+    for (Name* name : {&actions_, &frames_, &observations_}) name->take(content);
+  }
+  std::uint64_t count() const {
+    const std::uint64_t in_frames = actions_.found + frames_.found;
+    return in_frames > 0 ? in_frames : observations_.found;
+  }
+
+ private:
+  struct Name {
+    std::string_view text;
+    std::uint64_t found = 0;
+    std::string tail = {};  ///< of the content so far, for a name across two pieces
+    void take(std::string_view content) {
+      const std::string joined = tail + std::string(content);
+      for (size_t at = joined.find(text); at != std::string::npos; at = joined.find(text, at + text.size()))
+        ++found;
+      tail = joined.substr(joined.size() - std::min(joined.size(), text.size() - 1));
+    }
+  };
+  Name actions_{"mrpt::obs::CActionCollection"}, frames_{"mrpt::obs::CSensoryFrame"},
+      observations_{"mrpt::obs::CObservation"};
+};
+
+std::string placeIn(const UnpackingStream& stream) {
+  return "byte " + std::to_string(stream.fileOffset()) + " of " + std::to_string(stream.fileBytes());
+}
+
+std::uint64_t estimateEntries(const std::string& path) {
+  UnpackingStream stream(path);
+  EntryEstimate estimate;
+  for (std::string piece; !(piece = stream.take()).empty();) estimate.take(piece);
+  return estimate.count();
+}
+
+constexpr size_t kLongestHeader = 4 + 127;
+
+bool isLogEntry(const mrpt::rtti::TRuntimeClassId& id) {
+  using namespace mrpt::obs;
+  return id.derivedFrom(CLASS_ID(CActionCollection)) || id.derivedFrom(CLASS_ID(CSensoryFrame)) ||
+         id.derivedFrom(CLASS_ID(CObservation)) || id.derivedFrom(CLASS_ID(CAction));
+}
+
+/// Of the stack, for objects inside objects: thousands of them.
+constexpr std::ptrdiff_t kDeepestNesting_bytes = 1 << 20;
+
+/// Reads from another stream and keeps what was read. Objects that a file nests without end would end the
+/// stack, so that ends in an exception while there is room.
+class CopyingStream : public mrpt::io::CStream {
+ public:
+  CopyingStream(UnpackingStream& source, std::string& copy) : source_(source), copy_(copy) {}
+  size_t Read(void* buffer, size_t count) override {
+    const char* const here = static_cast<const char*>(__builtin_frame_address(0));
+    if (std::abs(outermost_ - here) > kDeepestNesting_bytes) throw std::runtime_error("nested without end");
+    const size_t read = source_.Read(buffer, count);
+    const std::string_view text(static_cast<const char*>(buffer), read);
+    copy_.append(text);
+    checkScan(text);
+    return read;
+  }
+  size_t Write(const void*, size_t) override { notOffered("writing"); }
+  std::uint64_t Seek(std::int64_t, TSeekOrigin) override { notOffered("seeking"); }
+  std::uint64_t getTotalBytesCount() const override { return source_.getTotalBytesCount(); }
+  std::uint64_t getPosition() const override { return source_.getPosition(); }
+
+ private:
+  /// The number of beams is what stands third among the values of four bytes in a scan, behind its field of
+  /// view and its longest range. MRPT makes room for it without a look at whether there is any, and would
+  /// write to nowhere.
+  void checkScan(std::string_view text) {
+    if (text == "mrpt::obs::CObservation2DRangeScan") words_of_scan_ = 0;
+    if (text.size() != sizeof(std::uint32_t) || ++words_of_scan_ != 3) return;
+    std::uint32_t beams = 0;
+    std::memcpy(&beams, text.data(), sizeof beams);  // both have the least byte first
+    if (beams > kMostBeams) throw std::bad_alloc();  // which MRPT lets pass as it is
+  }
+
+  static constexpr std::uint32_t kMostBeams = 10'000'000;
+  UnpackingStream& source_;
+  std::string& copy_;
+  std::uint64_t words_of_scan_ = 3;
+  const char* const outermost_ = static_cast<const char*>(__builtin_frame_address(0));
+};
+
+}  // namespace
+
+void requireUndamaged(const std::string& path) {
+  using Failure = UnpackingStream::Failure;
+  UnpackingStream stream(path);
+  if (!stream.isPacked()) return;
+  while (!stream.take().empty()) {
+  }
+  if (stream.failure() == Failure::kChecksum)
+    throw core::InputError(path + ": corrupt: the " + stream.packing() + " checksum at " + placeIn(stream) +
+                           " does not match, so one of its about " + std::to_string(estimateEntries(path)) +
+                           " entries is wrong");
+  if (stream.failure() == Failure::kDamaged) {
+    const std::uint64_t begun = estimateEntries(path);
+    throw core::InputError(path + ": corrupt: the " + stream.packing() + " data breaks at " +
+                           placeIn(stream) + " (" + stream.failureText() + "), after about " +
+                           std::to_string(begun > 0 ? begun - 1 : 0) + " good entries");
+  }
+}
+
+bool looksLikeRawlog(const std::string& start) {
+  const auto header = headerAt(start);
+  return !header.class_name.empty() || header.is_cut;
+}
+
+RawlogObjects::RawlogObjects(const std::string& path) : path_(path), stream_(path) {
+  // Linked libraries of which nothing is called are dropped, and their classes with them.
+  mrpt::maps::registerAllClasses_mrpt_maps();
+  // MRPT's parsers trust what they read, to the point of crashing on damaged bytes.
+  requireUndamaged(path);
+}
+
+double RawlogObjects::fractionRead() const {
+  return static_cast<double>(stream_.fileOffset()) / static_cast<double>(stream_.fileBytes());
+}
+
+void RawlogObjects::fail(UnpackingStream::Failure failure, const std::string& otherwise) const {
+  using Failure = UnpackingStream::Failure;
+  const std::string place = placeIn(stream_);
+  const std::string good = std::to_string(count_) + (count_ == 1 ? " good entry" : " good entries");
+  const std::string after = ", after " + good;
+  if (failure == Failure::kTruncated)
+    throw core::InputError(path_ + ": truncated: ends at " + place + " inside an entry" + after);
+  throw core::InputError(path_ + ": corrupt near " + place + " (" + otherwise + ")" + after);
+}
+
+/// Throws unless an object of a class that can be read starts here.
+void RawlogObjects::checkHeader() {
+  const auto header = headerAt(stream_.peek(kLongestHeader));
+  const std::string& name = header.class_name;
+  if (name == "nullptr") return;
+  const auto* id = name.empty() ? nullptr : mrpt::rtti::findRegisteredClass(name);
+  if (id && (count_ > 0 || isLogEntry(*id))) return;
+  if (stream_.failure() != UnpackingStream::Failure::kNone) fail(stream_.failure());
+  if (count_ > 0 && header.is_cut) fail(UnpackingStream::Failure::kTruncated);
+  if (count_ > 0)
+    fail(UnpackingStream::Failure::kNone,
+         name.empty() ? "no entry starts here" : "an entry of the unknown class '" + name + "'");
+  throw core::InputError(path_ + ": is not an MRPT rawlog: it starts with " +
+                         (name.empty() ? std::string("other data") : "an object of class '" + name + "'"));
+}
+
+std::shared_ptr<mrpt::serialization::CSerializable> RawlogObjects::next() {
+  bytes_.clear();
+  CopyingStream copying(stream_, bytes_);
+  auto archive = mrpt::serialization::archiveFrom<mrpt::io::CStream>(copying);
+  for (;;) {
+    if (stream_.peek(1).empty()) {
+      if (stream_.failure() != UnpackingStream::Failure::kNone) fail(stream_.failure());
+      return nullptr;
+    }
+    checkHeader();
+    std::shared_ptr<mrpt::serialization::CSerializable> object;
+    try {
+      const files::MemoryGuard guard(files::kObjectHeadroom_bytes);
+      object = archive.ReadObject();
+    } catch (const std::bad_alloc&) {
+      fail(stream_.failure(), "an entry of impossible size");
+    } catch (const std::length_error&) {
+      fail(stream_.failure(), "an entry of impossible size");
+    } catch (const std::exception&) {
+      fail(stream_.failure(), "an entry that cannot be read");
+    }
+    ++count_;
+    if (object) return object;
+  }
+}
+
+PackingStream::PackingStream(const std::string& path, std::string final_path)
+    : final_path_(std::move(final_path)) {
+  errno = 0;
+  file_ = gzopen(path.c_str(), "wb");
+  if (!file_) fail(errno ? errno : ENOMEM);
+}
+
+PackingStream::~PackingStream() {
+  if (file_) gzclose(file_);
+}
+
+void PackingStream::fail(int error_number) {
+  error_number_ = error_number;
+  throw core::IoError(final_path_ + ": cannot be written: " + std::strerror(error_number));
+}
+
+void PackingStream::rethrowFailure() const {
+  if (error_number_ != 0)
+    throw core::IoError(final_path_ + ": cannot be written: " + std::strerror(error_number_));
+}
+
+size_t PackingStream::Write(const void* buffer, size_t count) {
+  errno = 0;
+  if (gzwrite(file_, buffer, static_cast<unsigned>(count)) != static_cast<int>(count))
+    fail(errno ? errno : EIO);
+  position_ += count;
+  return count;
+}
+
+void PackingStream::close() {
+  errno = 0;
+  const int result = gzclose(std::exchange(file_, nullptr));
+  if (result != Z_OK) fail(errno ? errno : EIO);
+}
+
+size_t PackingStream::Read(void*, size_t) {
+  notOffered("reading");
+}
+std::uint64_t PackingStream::Seek(std::int64_t, TSeekOrigin) {
+  notOffered("seeking");
+}
+
+RawlogSink::RawlogSink(const std::string& path) : pending_(path), stream_(pending_.path(), path) {}
+
+void RawlogSink::write(const mrpt::serialization::CSerializable& object) {
+  if (closed_) throw core::ContractError("rawlog: write() after close()");
+  auto archive = mrpt::serialization::archiveFrom<mrpt::io::CStream>(stream_);
+  try {
+    archive << object;
+  } catch (const std::exception&) {
+    // MRPT may have dressed the stream's error in a back trace.
+    stream_.rethrowFailure();
+    throw;
+  }
+}
+
+void RawlogSink::close() {
+  if (closed_) throw core::ContractError("rawlog: closed twice");
+  closed_ = true;
+  stream_.close();
+  pending_.commit();
+}
+
+}  // namespace slam::rawlogs

@@ -1,0 +1,22 @@
+#pragma once
+#include <string>
+
+#include "libslam/core/pose2.h"
+#include "libslam/core/progress.h"
+#include "libslam/metrics/placed_scans.h"
+#include "libslam/world/plan.h"
+
+namespace slam::results {
+
+/// What a log, a path and a map say of one another, without any truth.
+struct SelfScore {
+  metrics::PointSharpness sharpness;
+  metrics::ScanAgreement agreement;
+};
+
+/// Reads the log once more and places scan i at path[i]; `map` in the map frame (toPlan()). REQUIRES one pose
+/// per scan, in the order of the file (ContractError). Errors: as logs::LogReader.
+SelfScore selfScore(const std::string& log_path, const core::Trajectory& path, const world::Plan& map,
+                    core::Progress& progress, const std::string& lidars = "");
+
+}  // namespace slam::results

@@ -1,0 +1,83 @@
+#include "libslam/truth/movers_log.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "libslam/core/elementary.h"
+#include "libslam/core/error.h"
+#include "libslam/files/parameters.h"
+
+namespace slam::truth {
+namespace {
+
+const char* nameOf(movers::PersonState state) {
+  switch (state) {
+    case movers::PersonState::kWalking:
+      return "walking";
+    case movers::PersonState::kWaiting:
+      return "waiting";
+    case movers::PersonState::kPausing:
+      return "pausing";
+  }
+  throw core::ContractError("MoversLog: no such state");
+}
+
+const char* nameOf(movers::DoorState state) {
+  switch (state) {
+    case movers::DoorState::kOpen:
+      return "open";
+    case movers::DoorState::kClosed:
+      return "closed";
+    case movers::DoorState::kHeld:
+      return "held";
+  }
+  throw core::ContractError("MoversLog: no such state");
+}
+
+/// Millimetres and thousandths of a radian: finer than anything that reads it needs.
+std::string rounded(double value) {
+  return files::formatNumber(std::round(value * 1000) / 1000 + 0.0);
+}
+
+}  // namespace
+
+MoversLog::MoversLog(const std::string& path) : file_(path) {
+  file_.append("time_s,kind,id,x_m,y_m,heading_rad,state\n");
+}
+
+void MoversLog::add(const sim::Simulator& simulator) {
+  const auto& scene = simulator.scene();
+  const auto& plan = scene.plan();
+  const std::string time = files::formatNumber(simulator.time_s());
+  std::ostringstream lines;
+  if (const auto* crowd = scene.crowd()) {
+    size_t id = 0;
+    for (const auto& person : crowd->people()) {
+      const core::Point2 p = plan.T_world_plan * person.p;
+      const double heading_rad =
+          core::wrapToPi(plan.T_world_plan.phi + core::atan2(person.heading.y, person.heading.x));
+      lines << time << ",person," << id++ << ',' << rounded(p.x) << ',' << rounded(p.y) << ','
+            << rounded(heading_rad) << ',' << nameOf(person.state) << '\n';
+    }
+  }
+  if (const auto* doors = scene.doors()) {
+    const bool is_first = doors_.empty();
+    doors_.resize(doors->all().size());
+    for (size_t i = 0; i < doors_.size(); ++i) {
+      const auto& door = doors->all()[i];
+      if (!is_first && doors_[i] == door.state) continue;
+      doors_[i] = door.state;
+      const core::Point2 p = world::cellsToWorld(
+          plan, {0.5 * (door.cells.x0 + door.cells.x1), 0.5 * (door.cells.y0 + door.cells.y1)});
+      lines << time << ",door," << door.id << ',' << rounded(p.x) << ',' << rounded(p.y) << ",,"
+            << nameOf(door.state) << '\n';
+    }
+  }
+  file_.append(lines.str());
+}
+
+void MoversLog::commit() {
+  file_.commit();
+}
+
+}  // namespace slam::truth

@@ -1,0 +1,31 @@
+#include "libslam/files/word_list.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace slam::files {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(WordList, PartsAreTrimmedAndEmptyOnesAreKept) {
+  EXPECT_THAT(splitAt(" a, b c ,\td\r\n", ','), ElementsAre("a", "b c", "d"));
+  EXPECT_THAT(splitAt("a,,b", ','), ElementsAre("a", "", "b"));
+  EXPECT_THAT(splitAt(",a", ','), ElementsAre("", "a"));
+  EXPECT_THAT(splitAt("a:b", ':'), ElementsAre("a", "b"));
+  EXPECT_THAT(splitAt("a:b", ','), ElementsAre("a:b"));
+}
+
+TEST(WordList, NothingFollowsTheLastSeparator) {
+  EXPECT_THAT(splitAt("a,", ','), ElementsAre("a"));
+  EXPECT_THAT(splitAt("", ','), IsEmpty());
+}
+
+TEST(WordList, NamesAreThePartsThatAreNotEmpty) {
+  EXPECT_THAT(namesIn(" a,, b , ", ','), ElementsAre("a", "b"));
+  EXPECT_THAT(namesIn(" , ", ','), IsEmpty());
+}
+
+}  // namespace
+}  // namespace slam::files
