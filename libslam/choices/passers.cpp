@@ -15,7 +15,7 @@ constexpr double kPerson_m = 0.6, kApart_m = 0.2;
 constexpr size_t kLeastReturns = 2;
 /// Scans are compared over a moment in which somebody who walks moves by more than he is thick, and the
 /// robot's pose errs by little; the older one has to have looked so far beyond.
-constexpr double kMoment_s = 0.6, navigate::kLongest_s = 2, kBehind_m = 0.2;
+constexpr double kMoment_s = 0.6, kLongest_s = 2, kBehind_m = 0.2;
 /// By how much the pose has moved otherwise than it was told, so much may a return have moved: where that is
 /// more, the scans cannot be compared. Beside a place is looked at in such steps.
 constexpr double kMostSlip_m = 0.3, kStep_m = 0.05;
@@ -81,7 +81,7 @@ Passers::Place Passers::placeOf(const Point2& p_map, double cell_m) {
 /// The newest look that lies a moment back; null where there is none.
 const Passers::Look* Passers::before(double time_s) {
   if (!looks_.empty() && !(time_s > looks_.back().time_s)) looks_.clear();
-  while (!looks_.empty() && time_s - looks_.front().time_s > navigate::kLongest_s) looks_.pop_front();
+  while (!looks_.empty() && time_s - looks_.front().time_s > kLongest_s) looks_.pop_front();
   const Look* found = nullptr;
   for (const Look& look : looks_)
     if (time_s - look.time_s >= kMoment_s) found = &look;

@@ -15,7 +15,7 @@ constexpr int kMostWaits = 20;
 /// Whom the robot waits for may wait for the robot: every so many waits it makes way.
 constexpr int kWaitsToMakeWay = 4;
 /// It goes at least so far, and farther where that gains as much room as its price.
-constexpr double navigate::kAside_m = 1, kRoom_m = 1, kPrice = 0.05;
+constexpr double kAside_m = 1, kRoom_m = 1, kPrice = 0.05;
 
 }  // namespace
 
@@ -106,7 +106,7 @@ std::optional<choices::Decision> MapStrategy::makeWay(const core::Pose2& T_map_r
   for (paths::PathPlanner::Node node = 0; node < planner.nodeColumns() * planner.nodeRows(); ++node) {
     if (!planner.isReached(node)) continue;
     const core::Point2 p = planner.pointOf(node);
-    if (core::distance(p, core::position(T_map_robot)) < navigate::kAside_m) continue;
+    if (core::distance(p, core::position(T_map_robot)) < kAside_m) continue;
     const auto cell = driving.index(driving.columnOf(p.x), driving.rowOf(p.y));
     const double gain = std::sqrt(clearance[cell]) * driving.resolution_m - kPrice * planner.cost(node);
     if (best && gain <= best_gain) continue;

@@ -164,7 +164,7 @@ SuiteLog SuiteReader::log(const std::string& word) {
     std::vector<std::string> known;
     known.reserve(targets.size());
     for (const auto& [key, target] : targets) known.push_back(key);
-    core::detail::rejectUnknownKeys(ini_, "log " + word, known);
+    files::detail::rejectUnknownKeys(ini_, "log " + word, known);
     for (const auto& [key, entry] : *entries) *targets.at(key) = entry.value;
     if (result.path.empty())
       throw core::InputError(where("logs") + ": section [log " + word + "], key 'path' is missing");

@@ -174,7 +174,7 @@ TEST(Certificate, FalseLoopsAreSwitchedOffBeforeItIsAsked) {
 TEST(Certificate, TheRealGraphsAreCertified) {
   for (const auto& [name, optimum] :
        std::vector<std::pair<std::string, double>>{{"intel", 45.0046958}, {"manhattan", 3549.0368}}) {
-    auto graph = realGraph(name);
+    auto graph = posegraph::realGraph(name);
     if (!graph) GTEST_SKIP() << "no posegraphs";
     const auto result = optimizeGlobally(*graph);
     EXPECT_TRUE(result.certificate.is_optimal) << name;

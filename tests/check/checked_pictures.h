@@ -71,7 +71,7 @@ inline std::string keysOf(const PlanCheck& check) {
   return keys;
 }
 /// 255 where the plan has such cells, as the picture lies.
-inline cv::Mat drafting::maskOf(const world::Plan& plan, world::Cell cell) {
+inline cv::Mat maskOf(const world::Plan& plan, world::Cell cell) {
   cv::Mat mask(plan.rows, plan.columns, CV_8U);
   for (int row = 0; row < plan.rows; ++row)
     for (int column = 0; column < plan.columns; ++column)
@@ -101,7 +101,7 @@ inline int roomsReached(const world::Plan& plan, const ArchitectPlan& drawn) {
   if (!start) return 0;
   cv::Mat clearance, places;
   cv::distanceTransform(~maskOf(plan, world::Cell::kOccupied), clearance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  places = (clearance > 0.283 / plan.resolution_m + 0.5) & drafting::maskOf(plan, world::Cell::kFree);
+  places = (clearance > 0.283 / plan.resolution_m + 0.5) & maskOf(plan, world::Cell::kFree);
   cv::Mat labels;
   cv::connectedComponents(places, labels, 4);
   const core::Point2 cell = world::worldToCells(plan, core::position(*start));

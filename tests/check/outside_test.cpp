@@ -17,10 +17,10 @@ TEST_F(PlanChecks, ClosesGapsToTheOutsideUpToAWidth) {
   EXPECT_THAT(find(check, "leaks")->text, HasSubstr("0.87 m"));
   EXPECT_NEAR(find(check, "leaks")->places[0].x, 99, 3);
   EXPECT_NEAR(find(check, "leaks")->places[0].y, 142, 4);
-  EXPECT_EQ(drafting::maskOf(check.after, world::Cell::kFree).at<std::uint8_t>(0, 0), 0);
-  EXPECT_EQ(drafting::maskOf(check.after, world::Cell::kFree).at<std::uint8_t>(100, 100), 255);
+  EXPECT_EQ(maskOf(check.after, world::Cell::kFree).at<std::uint8_t>(0, 0), 0);
+  EXPECT_EQ(maskOf(check.after, world::Cell::kFree).at<std::uint8_t>(100, 100), 255);
   // The room's floor is kept, but for the doorway.
-  EXPECT_NEAR(cv::countNonZero(drafting::maskOf(check.after, world::Cell::kFree)), 120 * 100, 18 * 5);
+  EXPECT_NEAR(cv::countNonZero(maskOf(check.after, world::Cell::kFree)), 120 * 100, 18 * 5);
   PlanCheckOptions narrower = at(0.05);
   narrower.widest_gap_m = 0.5;
   EXPECT_FALSE(find(checkPlan(write(sheet), narrower), "leaks"));
@@ -33,7 +33,7 @@ TEST_F(PlanChecks, BuildsAWallAroundABuildingThatIsOpen) {
   const PlanCheck check = checkPlan(write(sheet), at(0.05));
   ASSERT_TRUE(find(check, "outside"));
   EXPECT_THAT(find(check, "outside")->text, HasSubstr("no closed outline"));
-  const cv::Mat free = drafting::maskOf(check.after, world::Cell::kFree);
+  const cv::Mat free = maskOf(check.after, world::Cell::kFree);
   EXPECT_EQ(free.at<std::uint8_t>(0, 0), 0);
   EXPECT_EQ(free.at<std::uint8_t>(100, 100), 255);
   EXPECT_EQ(keysOf(again(check, {})), "");
@@ -45,8 +45,8 @@ TEST_F(PlanChecks, MakesThePaperAroundTheWallsUnknown) {
   const PlanCheck check = checkPlan(write(sheet), at(0.05));
   EXPECT_EQ(keysOf(check), "outside");
   EXPECT_EQ(find(check, "outside")->count, 1);
-  EXPECT_EQ(different(drafting::maskOf(check.after, world::Cell::kOccupied), roomOnPaper() == 0), 0);
-  EXPECT_EQ(cv::countNonZero(drafting::maskOf(check.after, world::Cell::kFree)), 120 * 100);
+  EXPECT_EQ(different(maskOf(check.after, world::Cell::kOccupied), roomOnPaper() == 0), 0);
+  EXPECT_EQ(cv::countNonZero(maskOf(check.after, world::Cell::kFree)), 120 * 100);
   EXPECT_EQ(keysOf(again(check, {})), "");
 }
 
@@ -77,7 +77,7 @@ TEST_F(PlanChecks, MakesRoomsWithoutAWayInUnknown) {
   EXPECT_EQ(check.findings[0].severity, Severity::kWarning);
   EXPECT_THAT(check.findings[0].text, HasSubstr("no way in"));
   EXPECT_EQ(check.findings[1].severity, Severity::kNote);
-  const cv::Mat free = drafting::maskOf(check.after, world::Cell::kFree);
+  const cv::Mat free = maskOf(check.after, world::Cell::kFree);
   EXPECT_EQ(free.at<std::uint8_t>(50, 130), 0);
   EXPECT_EQ(free.at<std::uint8_t>(65, 65), 0);
   EXPECT_EQ(free.at<std::uint8_t>(50, 50), 255);

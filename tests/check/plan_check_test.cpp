@@ -105,7 +105,7 @@ TEST_F(PlanChecks, ReadsPaleSmoothLinesAsWholeWalls) {
   EXPECT_FALSE(insideIsOpen(check.after));
   // Nothing grows: no wall pixel is farther than the smoothing reaches.
   cv::Mat drawn = sheet < 255;
-  EXPECT_EQ(cv::countNonZero(drafting::maskOf(check.after, world::Cell::kOccupied) & ~drawn), 0);
+  EXPECT_EQ(cv::countNonZero(maskOf(check.after, world::Cell::kOccupied) & ~drawn), 0);
 }
 
 TEST_F(PlanChecks, NeitherOpensNorClosesGapsOfAPixelWhenItReadsGray) {
@@ -114,7 +114,7 @@ TEST_F(PlanChecks, NeitherOpensNorClosesGapsOfAPixelWhenItReadsGray) {
   box(sheet, 30, 30, 31, 31, 255);  // a gap of one pixel
   box(sheet, 10, 40, 50, 41, 90);   // pale
   const PlanCheck check = checkPlan(write(sheet), only({"thresholds"}, 0.05));
-  const cv::Mat walls = drafting::maskOf(check.after, world::Cell::kOccupied);
+  const cv::Mat walls = maskOf(check.after, world::Cell::kOccupied);
   EXPECT_EQ(cv::countNonZero(walls), 39 + 40);
   EXPECT_EQ(walls.at<std::uint8_t>(30, 30), 0);
 }
@@ -126,11 +126,11 @@ TEST_F(PlanChecks, ReadsAnUnevenlyLitPhotographAndAJpeg) {
     for (int x = 0; x < dim.cols; ++x)
       dim.at<std::uint8_t>(y, x) =
           static_cast<std::uint8_t>(plan.sheet().at<std::uint8_t>(y, x) * (0.95 - 0.45 * x / dim.cols));
-  const cv::Mat walls = drafting::maskOf(checkPlan(write(plan.sheet()), only({"thresholds"}, 0.025)).after,
-                                         world::Cell::kOccupied);
+  const cv::Mat walls =
+      maskOf(checkPlan(write(plan.sheet()), only({"thresholds"}, 0.025)).after, world::Cell::kOccupied);
   for (const std::string name : {"dim.png", "dim.jpg"}) {
     const PlanCheck check = checkPlan(write(dim, name), only({"thresholds"}, 0.025));
-    const cv::Mat found = drafting::maskOf(check.after, world::Cell::kOccupied);
+    const cv::Mat found = maskOf(check.after, world::Cell::kOccupied);
     // The smoothed rims of lines shift a little with the light: a few percent of the ink.
     EXPECT_LT(different(found, walls), 0.06 * cv::countNonZero(walls)) << name;
     EXPECT_THAT(find(check, "thresholds")->text, HasSubstr("unevenly")) << name;
@@ -162,7 +162,7 @@ TEST_F(PlanChecks, TakesTextAwayAndKeepsTheWallsToThePixel) {
     const PlanCheck check = checkPlan(write(ArchitectPlan(style).sheet()), only({"text"}, 0.025));
     ASSERT_TRUE(find(check, "text"));
     EXPECT_EQ(find(check, "text")->count, 7);
-    EXPECT_EQ(different(drafting::maskOf(check.after, world::Cell::kOccupied), walls), 0);
+    EXPECT_EQ(different(maskOf(check.after, world::Cell::kOccupied), walls), 0);
   }
 }
 
@@ -192,7 +192,7 @@ TEST_F(PlanChecks, TakesDimensionLinesAwayAndLeavesWhatTheyCrossWhole) {
   const PlanCheck check = checkPlan(write(ArchitectPlan(style).sheet()), only({"dimensions", "text"}, 0.025));
   ASSERT_TRUE(find(check, "dimensions"));
   EXPECT_GE(find(check, "dimensions")->count, 2);
-  const cv::Mat left = drafting::maskOf(check.after, world::Cell::kOccupied);
+  const cv::Mat left = maskOf(check.after, world::Cell::kOccupied);
   EXPECT_EQ(cv::countNonZero(walls & ~left), 0);
   // Within the walls nothing is left of them; outside the one without a figure may be.
   const cv::Rect inside(80, 80, 400, 300);
@@ -237,13 +237,13 @@ TEST_F(PlanChecks, ClearsARobotsMapOfRaysAndSpecksAndWallsItsEdge) {
   sheet.at<std::uint8_t>(60, 60) = 205;
   const PlanCheck check = checkPlan(write(sheet, 0.05), {});
   EXPECT_EQ(keysOf(check), "specks rays open_edge");
-  const cv::Mat free = drafting::maskOf(check.after, world::Cell::kFree);
+  const cv::Mat free = maskOf(check.after, world::Cell::kFree);
   EXPECT_EQ(free.at<std::uint8_t>(60, 190), 0);
   EXPECT_EQ(free.at<std::uint8_t>(60, 60), 255);
   // Sealed: no free cell has an unknown neighbour, corners included.
   cv::Mat around;
   cv::dilate(free, around, cv::Mat::ones(3, 3, CV_8U));
-  EXPECT_EQ(cv::countNonZero(around & drafting::maskOf(check.after, world::Cell::kUnknown)), 0);
+  EXPECT_EQ(cv::countNonZero(around & maskOf(check.after, world::Cell::kUnknown)), 0);
   EXPECT_NEAR(cv::countNonZero(free), 80 * 80, 40);
   EXPECT_EQ(keysOf(again(check, {})), "");
 }
@@ -256,7 +256,7 @@ TEST_F(PlanChecks, SaysThatTheUsualGrayOfTheUnknownCountsAsFree) {
   const PlanCheck check = checkPlan(write(sheet, 0.05, "0.25"), {});
   EXPECT_EQ(keysOf(check), "thresholds");
   EXPECT_THAT(find(check, "thresholds")->text, HasSubstr("free_thresh 0.25"));
-  EXPECT_EQ(cv::countNonZero(drafting::maskOf(check.after, world::Cell::kFree)), 120 * 100);
+  EXPECT_EQ(cv::countNonZero(maskOf(check.after, world::Cell::kFree)), 120 * 100);
 }
 
 TEST_F(PlanChecks, CallsWhatHoldsNoRobotUnusable) {
@@ -313,7 +313,7 @@ TEST_F(PlanChecks, MendsRealMapsOnceAndLeavesTheirWallsStanding) {
     const PlanCheck check = checkPlan(data + "/worlds/" + name + ".yaml", {});
     EXPECT_TRUE(check.is_map) << name;
     EXPECT_TRUE(check.isUsable()) << name;
-    const cv::Mat walls = drafting::maskOf(check.before, world::Cell::kOccupied);
+    const cv::Mat walls = maskOf(check.before, world::Cell::kOccupied);
     EXPECT_EQ(cv::countNonZero(walls & ~maskOf(check.after, world::Cell::kOccupied)), 0) << name;
     const PlanCheck twice = again(check, {});
     EXPECT_EQ(keysOf(twice), "") << name;

@@ -13,13 +13,13 @@ constexpr double kCell_m = 0.05, kPeriod_s = 0.2;
 
 /// A hall of 6 x 4 m, as it is and as a map shows it.
 world::Plan hall() {
-  return scenes::room(6, 4);
+  return navigate::scenes::room(6, 4);
 }
 
 /// With a leg of 0.1 m.
 world::Plan hallWithLegAt(const core::Point2& p) {
   auto plan = hall();
-  scenes::fill(plan, p.x - 0.05, p.y - 0.05, p.x + 0.05, p.y + 0.05);
+  navigate::scenes::fill(plan, p.x - 0.05, p.y - 0.05, p.x + 0.05, p.y + 0.05);
   return plan;
 }
 
@@ -30,8 +30,8 @@ struct Watch {
   core::Pose2 T_world_robot = {1, 2, 0};
 
   void see(const world::Plan& plan, const core::Pose2& T_world_map = {}) {
-    passers.see(scenes::scanIn(plan, T_world_robot, time_s), core::between(T_world_map, T_world_robot),
-                kCell_m);
+    passers.see(navigate::scenes::scanIn(plan, T_world_robot, time_s),
+                core::between(T_world_map, T_world_robot), kCell_m);
     time_s += kPeriod_s;
   }
   void drive(const robot::Command& command) {
@@ -47,9 +47,9 @@ struct Watch {
 };
 
 paths::FreeSpace mapOf(const world::Plan& plan) {
-  scenes::PerfectMap map(plan);
+  navigate::scenes::PerfectMap map(plan);
   for (const core::Pose2& T : {core::Pose2{1, 2, 0}, {5, 2, 0}, {3, 0.3, 0}, {3, 3.7, 0}})
-    map.insert(T, scenes::scanIn(plan, T, 0));
+    map.insert(T, navigate::scenes::scanIn(plan, T, 0));
   return paths::readFreeSpace(map.raster());
 }
 
@@ -87,9 +87,9 @@ TEST(Passers, WhoStandStillWhereTheyCameAreKeptClearOf) {
 
 TEST(Passers, AreNothingThatComesInSightBehindACorner) {
   auto plan = hall();
-  scenes::fill(plan, 2, 0, 2.1, 2.5);      // hides
-  scenes::fill(plan, 4, 1.4, 4.1, 1.5);    // a post
-  scenes::fill(plan, 3.2, 0.6, 3.3, 0.7);  // another
+  navigate::scenes::fill(plan, 2, 0, 2.1, 2.5);      // hides
+  navigate::scenes::fill(plan, 4, 1.4, 4.1, 1.5);    // a post
+  navigate::scenes::fill(plan, 3.2, 0.6, 3.3, 0.7);  // another
   Watch watch;
   watch.T_world_robot = {1, 1, core::kPi / 2};
   for (int i = 0; i < 40; ++i) {
@@ -101,7 +101,7 @@ TEST(Passers, AreNothingThatComesInSightBehindACorner) {
 
 TEST(Passers, AreNoPostsThatAPoseMoves) {
   auto plan = hall();
-  for (double x = 2; x < 6; x += 1) scenes::fill(plan, x, 1, x + 0.1, 1.1);
+  for (double x = 2; x < 6; x += 1) navigate::scenes::fill(plan, x, 1, x + 0.1, 1.1);
   for (const double slip_m : {0.05, 0.15, 0.5}) {
     Watch watch;
     for (int i = 0; i < 40; ++i) watch.see(plan, {0, i < 20 ? 0 : slip_m, 0});
@@ -112,7 +112,7 @@ TEST(Passers, AreNoPostsThatAPoseMoves) {
 TEST(Passers, AreNoLargerThanAPerson) {
   // A door that swings into what was looked through.
   auto door = hall();
-  scenes::fill(door, 3, 1, 3.1, 2);
+  navigate::scenes::fill(door, 3, 1, 3.1, 2);
   Watch watch;
   for (int i = 0; i < 5; ++i) watch.see(hall());
   for (int i = 0; i < 10; ++i) watch.see(door);
@@ -131,10 +131,10 @@ TEST(Passers, AreSeenByARobotThatDrives) {
 
 TEST(Passers, ThatNobodySawComeAreSuspectedAmongSmallThingsOnly) {
   auto plan = hallWithLegAt({2, 1});
-  scenes::fill(plan, 4, 3, 4.8, 3.1);  // a cupboard
+  navigate::scenes::fill(plan, 4, 3, 4.8, 3.1);  // a cupboard
   const auto walls_and_cupboard = [] {
     auto without = hall();
-    scenes::fill(without, 4, 3, 4.8, 3.1);
+    navigate::scenes::fill(without, 4, 3, 4.8, 3.1);
     return occupiedCells(mapOf(without));
   }();
   auto map = mapOf(plan);

@@ -217,7 +217,7 @@ TEST(Sha256, EqualsThePublishedExample) {
   EXPECT_EQ(resources::fileSha256(folder / "abc"), resources::sha256("abc"));
 }
 
-TEST(resources::Manifest, ReadsBackWhatWasWritten) {
+TEST(Manifest, ReadsBackWhatWasWritten) {
   const testing::TempFolder folder;
   resources::Manifest manifest;
   manifest.command_line = {"rasterslam", "run", "it's here.rawlog", ""};

@@ -43,7 +43,7 @@ double farthestMoved(const GraphSlam& graph, const std::vector<core::Pose2>& bef
   return farthest;
 }
 
-TEST(keyframes::Closing, MovesTheMapSomeScansAfterTheLoopWasAccepted) {
+TEST(Closing, MovesTheMapSomeScansAfterTheLoopWasAccepted) {
   Laps laps;
   size_t i = 0;
   ASSERT_GT(laps.driveUntil(core::JournalEvent::kAccepted, i), 0);
@@ -57,7 +57,7 @@ TEST(keyframes::Closing, MovesTheMapSomeScansAfterTheLoopWasAccepted) {
   EXPECT_GT(farthestMoved(laps.graph, before), 0.1);
 }
 
-TEST(keyframes::Closing, KeyframesThatCameMeanwhileStayWhereTheyWereReachedFrom) {
+TEST(Closing, KeyframesThatCameMeanwhileStayWhereTheyWereReachedFrom) {
   Laps laps;
   size_t i = 0;
   ASSERT_GT(laps.driveUntil(core::JournalEvent::kAccepted, i), 0);
@@ -76,7 +76,7 @@ TEST(keyframes::Closing, KeyframesThatCameMeanwhileStayWhereTheyWereReachedFrom)
 }
 
 // A log may end before all pieces are done.
-TEST(keyframes::Closing, IsCompletedWhenTheLogEnds) {
+TEST(Closing, IsCompletedWhenTheLogEnds) {
   Laps laps;
   size_t i = 0;
   ASSERT_GT(laps.driveUntil(core::JournalEvent::kAccepted, i), 0);
@@ -89,7 +89,7 @@ TEST(keyframes::Closing, IsCompletedWhenTheLogEnds) {
 
 // There and back through a corridor no loop is needed to know where one is, and yet what the second pass
 // measured of the first says where the way went wrong.
-TEST(keyframes::Closing, WhatWasMeasuredSinceTheLastLoopIsSpreadOverTheWayWhenTheLogEnds) {
+TEST(Closing, WhatWasMeasuredSinceTheLastLoopIsSpreadOverTheWayWhenTheLogEnds) {
   std::vector<core::Pose2> path;
   for (int i = 0; i < 140; ++i) path.push_back({3 + 0.1 * i, 1, 0});
   for (int i = 0; i < 32; ++i) path.push_back({17, 1, 0.1 * i});

@@ -14,7 +14,7 @@ namespace {
 
 using namespace test_drives;
 
-TEST(keyframes::Links, GoOnByTheNearestWhereAKeyframeIsTakenOut) {
+TEST(Links, GoOnByTheNearestWhereAKeyframeIsTakenOut) {
   keyframes::Links links;
   std::vector<core::Pose2> poses;
   for (int k = 0; k < 6; ++k) poses.push_back({1.0 * k, 0, 0}), links.addKeyframe();
@@ -29,7 +29,7 @@ TEST(keyframes::Links, GoOnByTheNearestWhereAKeyframeIsTakenOut) {
   EXPECT_EQ(links.around(poses, 0, {0, 0}, 5.1, 10).size(), 5U);
 }
 
-TEST(keyframes::Links, ShortestWaysAreThoseOfAllPathsThroughClosures) {
+TEST(Links, ShortestWaysAreThoseOfAllPathsThroughClosures) {
   core::RandomStream random(3, "closures");
   std::vector<double> path_m{0};
   for (int k = 1; k < 60; ++k) path_m.push_back(path_m.back() + random.uniform(0.1, 3));

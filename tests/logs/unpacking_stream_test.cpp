@@ -90,20 +90,20 @@ TEST_P(Packed, GarbageBehindTheLastMemberIsDamage) {
   EXPECT_EQ(result.failure, rawlogs::UnpackingStream::Failure::kDamaged);
 }
 
-TEST(rawlogs::UnpackingStream, TakesPaddingOfZerosBetweenXzStreams) {
+TEST(UnpackingStream, TakesPaddingOfZerosBetweenXzStreams) {
   const std::string padding(8, '\0');
   const auto result = unpackAll(xz("one ") + padding + xz("two") + padding);
   EXPECT_EQ(result.content, "one two");
   EXPECT_EQ(result.failure, rawlogs::UnpackingStream::Failure::kNone);
 }
 
-TEST(rawlogs::UnpackingStream, GivesAFileThatIsNotPackedAsItIs) {
+TEST(UnpackingStream, GivesAFileThatIsNotPackedAsItIs) {
   EXPECT_TRUE(unpackAll(longText()).content == longText());
   EXPECT_EQ(unpackAll("").content, "");
   EXPECT_EQ(unpackAll("BZ").content, "BZ");
 }
 
-TEST(rawlogs::UnpackingStream, GivesLinesAcrossItsPieces) {
+TEST(UnpackingStream, GivesLinesAcrossItsPieces) {
   const testing::TempFolder folder;
   files::writeFileAtomically(folder / "a", bzip2(longText() + "\n\nno newline"));
   rawlogs::UnpackingStream stream(folder / "a");
@@ -113,7 +113,7 @@ TEST(rawlogs::UnpackingStream, GivesLinesAcrossItsPieces) {
   EXPECT_TRUE(joined == longText() + "\n\nno newline!");
 }
 
-TEST(rawlogs::UnpackingStream, CutsALineThatIsTooLong) {
+TEST(UnpackingStream, CutsALineThatIsTooLong) {
   const testing::TempFolder folder;
   files::writeFileAtomically(folder / "a", "abcdefg\nhi\n");
   rawlogs::UnpackingStream stream(folder / "a");

@@ -33,7 +33,7 @@ world::Plan hall(double width_m, double height_m, double resolution_m = 0.05) {
 }
 
 TEST(Crowd, NobodyIsEverInAWallOrInSomebodyElse) {
-  world::Plan plan = twoRooms();
+  world::Plan plan = sim::twoRooms();
   Crowd crowd(plan, people(14), 3, {{1, 1}, 0.3});
   const Disc robot{{6.05, 2.9}, 0.3};         // in the doorway: they crowd round it
   for (int tick = 0; tick < 40000; ++tick) {  // 1000 s
@@ -48,7 +48,7 @@ TEST(Crowd, NobodyIsEverInAWallOrInSomebodyElse) {
 }
 
 TEST(Crowd, NobodyStepsIntoAStandingRobot) {
-  Crowd crowd(twoRooms(), people(10), 3, {{3, 3}, 0.3});
+  Crowd crowd(sim::twoRooms(), people(10), 3, {{3, 3}, 0.3});
   for (int tick = 0; tick < 20000; ++tick) {
     crowd.tick({{3, 3}, 0.3});
     for (const auto& person : crowd.people())
@@ -96,7 +96,7 @@ TEST(Crowd, WalksAtTheSpeedsThatPeopleLike) {
 
 TEST(Crowd, TheSameSeedGivesTheSameWaysAndAnotherDoesNot) {
   const auto placesAfter = [](std::uint64_t seed) {
-    Crowd crowd(twoRooms(), people(6), seed, kFarAway);
+    Crowd crowd(sim::twoRooms(), people(6), seed, kFarAway);
     for (int tick = 0; tick < 3000; ++tick) crowd.tick(kFarAway);
     std::vector<double> places;
     for (const auto& person : crowd.people()) places.insert(places.end(), {person.p.x, person.p.y});
@@ -109,7 +109,7 @@ TEST(Crowd, TheSameSeedGivesTheSameWaysAndAnotherDoesNot) {
 // The bytes that seed 1 gives; kept over compilers and build types. They may only change with a commit that
 // says why.
 TEST(Crowd, HasGoldenBytes) {
-  const world::Plan plan = twoRooms();
+  const world::Plan plan = sim::twoRooms();
   Crowd crowd(plan, people(8), 1, {{3, 3}, 0.3});
   std::string bytes;
   for (int tick = 0; tick < 8000; ++tick) {
@@ -124,7 +124,7 @@ TEST(Crowd, HasGoldenBytes) {
 }
 
 TEST(Crowd, GoesThroughDoorsAndRests) {
-  Crowd crowd(twoRooms(), people(4), 2, kFarAway);
+  Crowd crowd(sim::twoRooms(), people(4), 2, kFarAway);
   int changes = 0, pausing = 0;
   std::vector<bool> was_left(4);
   for (int tick = 0; tick < 24000; ++tick) {
@@ -141,7 +141,7 @@ TEST(Crowd, GoesThroughDoorsAndRests) {
 }
 
 TEST(Crowd, WaitsAtAClosedDoorAndTurnsBack) {
-  world::Plan plan = twoRooms();
+  world::Plan plan = sim::twoRooms();
   Crowd crowd(plan, people(6), 2, kFarAway);
   for (const auto& person : crowd.people())
     ASSERT_GT(std::abs(person.p.x - 6.05), 0.4) << "choose another seed";
@@ -194,7 +194,7 @@ TEST(Crowd, IsSeenAsDiscsWhenAsked) {
   LivingOptions options = people(2);
   options.body = "disc";
   std::vector<Disc> bodies;
-  Crowd crowd(twoRooms(), options, 1, kFarAway);
+  Crowd crowd(sim::twoRooms(), options, 1, kFarAway);
   crowd.appendBodies(bodies);
   ASSERT_EQ(bodies.size(), 2U);
   EXPECT_EQ(bodies[1].p.x, crowd.people()[1].p.x);
@@ -203,7 +203,7 @@ TEST(Crowd, IsSeenAsDiscsWhenAsked) {
 
 TEST(Crowd, SaysWhenThereIsNoRoom) {
   try {
-    Crowd(twoRooms(), people(1000), 1, kFarAway);
+    Crowd(sim::twoRooms(), people(1000), 1, kFarAway);
     FAIL() << "1000 people found room in 70 m2";
   } catch (const core::InputError& error) {
     EXPECT_THAT(error.what(),

@@ -21,7 +21,7 @@ void shut(world::Plan& plan, world::Cell cell) {
 
 /// Random walls of single cells, and some unknown ones.
 world::Plan scattered() {
-  world::Plan plan = twoRooms();
+  world::Plan plan = sim::twoRooms();
   core::RandomStream random(4, "walls");
   for (auto& cell : plan.cells)
     if (const double draw = random.uniform(); draw < 0.005)
@@ -60,7 +60,7 @@ TEST(Walkways, LetNobodyStandWhereTheDiscCollides) {
 }
 
 TEST(Walkways, LeadFromPlaceToPlaceWithoutLeavingThem) {
-  Walkways walkways(twoRooms(), kRadius_m, 3, {3, 3});
+  Walkways walkways(sim::twoRooms(), kRadius_m, 3, {3, 3});
   ASSERT_GE(walkways.places(), 2U);
   bool some_goes_through_the_door = false;
   for (size_t place = 0; place < walkways.places(); ++place)
@@ -75,7 +75,7 @@ TEST(Walkways, LeadFromPlaceToPlaceWithoutLeavingThem) {
 }
 
 TEST(Walkways, StayOnTheSideThatPeopleCanReach) {
-  world::Plan plan = twoRooms();
+  world::Plan plan = sim::twoRooms();
   shut(plan, world::Cell::kOccupied);  // a wall now, not a door
   plan.doors.clear();
   Walkways walkways(plan, kRadius_m, 3, {9, 3});
@@ -85,7 +85,7 @@ TEST(Walkways, StayOnTheSideThatPeopleCanReach) {
 }
 
 TEST(Walkways, AfterADoorHasMovedAreThoseOfTheNewPlan) {
-  world::Plan plan = twoRooms();
+  world::Plan plan = sim::twoRooms();
   Walkways walkways(plan, kRadius_m, 1, {3, 3});
   const auto& door = plan.doors.front();
   for (const auto cell : {world::Cell::kOccupied, world::Cell::kFree}) {
@@ -108,7 +108,7 @@ TEST(Walkways, AfterADoorHasMovedAreThoseOfTheNewPlan) {
 }
 
 TEST(Walkways, HaveNoPlaceWhereNobodyFits) {
-  world::Plan plan = twoRooms();
+  world::Plan plan = sim::twoRooms();
   Walkways narrow(plan, 3.5, 1, {3, 3});
   EXPECT_EQ(narrow.places(), 0U);
   EXPECT_FALSE(narrow.canStand({3, 3}));
@@ -116,7 +116,7 @@ TEST(Walkways, HaveNoPlaceWhereNobodyFits) {
 }
 
 TEST(Walkways, AOnlyPlaceHasTheWayToItself) {
-  world::Plan plan = twoRooms();
+  world::Plan plan = sim::twoRooms();
   for (int row = 0; row < plan.rows; ++row)
     for (int column = 0; column < plan.columns; ++column)
       if (std::hypot(column - 60, row - 60) > 9)

@@ -34,8 +34,7 @@ const robot::Command kAhead{0.5, 0, 0.2}, kBack{-0.5, 0, 0.2}, kTurn{0, 1, 0.2};
 
 /// Turns and looks as it says, in the open, until it has looked enough for the command. Returns by how much
 /// it turned.
-double choices::lookAround(goals::LookFirst& robot, core::Pose2& T_odom_robot,
-                           const robot::Command& command) {
+double lookAround(goals::LookFirst& robot, core::Pose2& T_odom_robot, const robot::Command& command) {
   double turned_rad = 0;
   for (int i = 0; i < 100; ++i) {
     robot.update(look(lidar::kNoReturn), T_odom_robot);
@@ -55,7 +54,7 @@ TEST(LookFirst, LooksToBothSidesBeforeTheFirstStepAndThenDrivesOn) {
   robot.update(look(lidar::kNoReturn), T_odom_robot);
   EXPECT_TRUE(robot.leadsOverUnseen(kAhead)) << "beside the narrow view";
   EXPECT_FALSE(robot.leadsOverUnseen(kTurn)) << "the circle is where it was";
-  const double turned_rad = choices::lookAround(robot, T_odom_robot, kAhead);
+  const double turned_rad = lookAround(robot, T_odom_robot, kAhead);
   EXPECT_GT(turned_rad, degToRad(30));
   EXPECT_LT(turned_rad, degToRad(360));
   // Where it looked by then it may go, step after step, without another look.
@@ -92,8 +91,7 @@ TEST(LookFirst, KnowsTheFloorBeforeItsMinimumRangeByWhatItShowsBeyond) {
   robot.update(look(2), {});
   const robot::Command creep{0.02, 0, 0.2};
   core::Pose2 T_odom_robot;
-  EXPECT_LT(choices::lookAround(robot, T_odom_robot, creep), degToRad(360))
-      << "0.3 m ahead is nearer than it sees";
+  EXPECT_LT(lookAround(robot, T_odom_robot, creep), degToRad(360)) << "0.3 m ahead is nearer than it sees";
 }
 
 struct ByCamera {

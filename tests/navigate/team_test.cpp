@@ -2,6 +2,7 @@
 
 #include "libslam/choices/team_share.h"
 #include "libslam/navigate/right_of_way.h"
+#include "libslam/strategies/map_strategy.h"
 
 namespace slam::navigate {
 namespace {

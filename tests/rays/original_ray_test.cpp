@@ -40,7 +40,7 @@ double castByTheDocument(const world::Plan& plan, const core::Point2& origin, do
 
 TEST(OriginalRays, MeasureFromPixelToPixelInWholePixels) {
   const world::Plan plan =
-      drawnPlan({"......#", ".......", ".......", "....#..", ".......", ".......", "#......"});
+      world::drawnPlan({"......#", ".......", ".......", "....#..", ".......", ".......", "#......"});
   // From the pixel (0, 3): the wall is in (4, 3), its face 3.9 before the place within the pixel.
   EXPECT_EQ(castDegrees(plan, {0.1, 3.9}, 0), 4);
   EXPECT_EQ(castDegrees(plan, {0.9, 3.1}, 0), 4) << "wherever in the pixel the ray begins";
@@ -51,7 +51,7 @@ TEST(OriginalRays, MeasureFromPixelToPixelInWholePixels) {
 }
 
 TEST(OriginalRays, TakeTheNearestPixelOfTheOtherAxis) {
-  const world::Plan plan = drawnPlan({".....", "..#..", "....."});
+  const world::Plan plan = world::drawnPlan({".....", "..#..", "....."});
   // Two columns ahead the line stands 2 tan(a) above the middle of row 0: from 0.5 on the nearest row is 1.
   const double half_rad = std::atan2(0.5, 2);
   EXPECT_EQ(castOriginalRay(plan, {0.5, 0.5}, half_rad + 0.001, 0), 2) << "2.24 pixels";
@@ -59,14 +59,14 @@ TEST(OriginalRays, TakeTheNearestPixelOfTheOtherAxis) {
 }
 
 TEST(OriginalRays, StepOverTheCornerBetweenTwoPixels) {
-  const world::Plan plan = drawnPlan({"...#", "..#.", ".#..", "#..."});
+  const world::Plan plan = world::drawnPlan({"...#", "..#.", ".#..", "#..."});
   EXPECT_EQ(castDegrees(plan, {0.5, 3.5}, -45), kInfinity) << "through the wall, from pixel to pixel";
-  const world::Plan even = drawnPlan({"..#.", ".#..", "#...", "...."});
+  const world::Plan even = world::drawnPlan({"..#.", ".#..", "#...", "...."});
   EXPECT_EQ(castDegrees(even, {0.5, 3.5}, -45), 1) << "(1, 2) is on the line";
 }
 
 TEST(OriginalRays, EndWhereTheExactOnesDo) {
-  const world::Plan plan = drawnPlan({"....", ".?.#", "...."}, 0.5);
+  const world::Plan plan = world::drawnPlan({"....", ".?.#", "...."}, 0.5);
   EXPECT_EQ(castDegrees(plan, {0.25, 0.75}, 0), 1.5) << "the unknown is transparent; 3 pixels of 0.5 m";
   EXPECT_EQ(castDegrees(plan, {0.25, 0.75}, 0, 1.5), 1.5);
   EXPECT_EQ(castDegrees(plan, {0.25, 0.75}, 0, 1.4), kInfinity);
@@ -78,7 +78,7 @@ TEST(OriginalRays, EndWhereTheExactOnesDo) {
 }
 
 TEST(OriginalRays, EqualTheWalkAlongAllPixelsOfTheLine) {
-  const world::Plan plan = scatteredPlan(61, 47, 3, 40);
+  const world::Plan plan = world::scatteredPlan(61, 47, 3, 40);
   core::RandomStream random(5, "origins");
   for (int i = 0; i < 200; ++i) {
     const core::Point2 origin{random.uniform(0, 61 * 0.05), random.uniform(0, 47 * 0.05)};
@@ -96,7 +96,7 @@ TEST(OriginalRays, AreHalfAPixelAcrossLongerThanExactOnes) {
   constexpr int kSide = 801;
   std::vector<std::string> lines(kSide, "#" + std::string(kSide - 2, '.') + "#");
   lines.front() = lines.back() = std::string(kSide, '#');
-  const world::Plan plan = drawnPlan(lines);
+  const world::Plan plan = world::drawnPlan(lines);
   const core::Point2 middle{kSide / 2.0, kSide / 2.0};
   double sum = 0;
   constexpr int kRays = 3600;

@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
-#include "drawn_plan.h"
 #include "libslam/core/random.h"
+#include "tests/world/drawn_plan.h"
 
 namespace slam::rays {
 namespace {
@@ -19,12 +19,12 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 using core::kPi;
 
 const world::Plan& room() {
-  static const world::Plan plan = drawnPlan({"########",  //
-                                             "#......#",  //
-                                             "#......#",  //
-                                             "#..##..#",  //
-                                             "#......#",  //
-                                             "########"});
+  static const world::Plan plan = world::drawnPlan({"########",  //
+                                                    "#......#",  //
+                                                    "#......#",  //
+                                                    "#..##..#",  //
+                                                    "#......#",  //
+                                                    "########"});
   return plan;
 }
 
@@ -107,20 +107,21 @@ TEST(RayCaster, MeasuresAlongASlope) {
 
 TEST(RayCaster, LetsItsRuleDecideARayThroughACorner) {
   // cos(pi/4) >= sin(pi/4): x is major, the walk enters the right neighbour and never the upper one.
-  EXPECT_EQ(castRay(drawnPlan({"#..", "...", "..."}), {0.5, 1.5}, kPi / 4, 0), kInfinity);
-  EXPECT_NEAR(castRay(drawnPlan({"...", ".#.", "..."}), {0.5, 1.5}, kPi / 4, 0), std::sqrt(0.5), 1e-15);
+  EXPECT_EQ(castRay(world::drawnPlan({"#..", "...", "..."}), {0.5, 1.5}, kPi / 4, 0), kInfinity);
+  EXPECT_NEAR(castRay(world::drawnPlan({"...", ".#.", "..."}), {0.5, 1.5}, kPi / 4, 0), std::sqrt(0.5),
+              1e-15);
 }
 
 TEST(RayCaster, EntersTheUpperNeighbourWhereTheRowIsReachedExactlyAtAColumn) {
   // Slope 1/2 from (0.5, 0.75): through the corner (1, 1) exactly, by way of (0, 1) and not of (1, 0).
   const core::Point2 direction{2 / std::sqrt(5.0), 1 / std::sqrt(5.0)};
-  EXPECT_NEAR(castRayInCells(drawnPlan({"#..", "..."}), {0.5, 0.75}, direction), 0.25 * std::sqrt(5.0),
+  EXPECT_NEAR(castRayInCells(world::drawnPlan({"#..", "..."}), {0.5, 0.75}, direction), 0.25 * std::sqrt(5.0),
               1e-15);
-  EXPECT_EQ(castRayInCells(drawnPlan({"...", ".##"}), {0.5, 0.75}, direction), kInfinity);
+  EXPECT_EQ(castRayInCells(world::drawnPlan({"...", ".##"}), {0.5, 0.75}, direction), kInfinity);
 }
 
 TEST(RayCaster, CountsAnOriginOnAGridLineToTheCellAhead) {
-  const world::Plan plan = drawnPlan({"..#.."});
+  const world::Plan plan = world::drawnPlan({"..#.."});
   EXPECT_EQ(castRayInCells(plan, {2, 0.5}, {1, 0}), 0);
   EXPECT_EQ(castRayInCells(plan, {2, 0.5}, {-1, 0}), kInfinity);
   EXPECT_EQ(castRayInCells(plan, {3, 0.5}, {-1, 0}), 0);
@@ -135,12 +136,12 @@ TEST(RayCaster, ReturnsZeroInsideAWall) {
 }
 
 TEST(RayCaster, ReturnsInfinityAtTheEdgeOfThePlan) {
-  const world::Plan open = drawnPlan({"...", "...", "..."});
+  const world::Plan open = world::drawnPlan({"...", "...", "..."});
   for (int i = 0; i < 100; ++i) EXPECT_EQ(castRay(open, {1.5, 1.5}, 0.0628 * i, 0), kInfinity);
 }
 
 TEST(RayCaster, SeesThroughUnknownCells) {
-  EXPECT_EQ(castRay(drawnPlan({".??#"}), {0.5, 0.5}, 0, 0), 2.5);
+  EXPECT_EQ(castRay(world::drawnPlan({".??#"}), {0.5, 0.5}, 0, 0), 2.5);
 }
 
 TEST(RayCaster, StopsAtTheMaximumRangeInclusive) {
@@ -163,7 +164,7 @@ TEST(RayCaster, AnswersInfinityForAPoseThatIsNotFiniteOrOutside) {
 TEST(RayCaster, AgreesWithThePlainWalkExceptThroughCorners) {
   int rays = 0, ties = 0, hits = 0;
   for (const int one_in : {8, 60, 1000}) {
-    const world::Plan plan = scatteredPlan(150, 110, 7, one_in);
+    const world::Plan plan = world::scatteredPlan(150, 110, 7, one_in);
     core::RandomStream random(11, "oracle");
     for (int i = 0; i < 80000; ++i, ++rays) {
       const Ray ray = randomRay(random, plan);
@@ -182,7 +183,7 @@ TEST(RayCaster, AgreesWithThePlainWalkExceptThroughCorners) {
 }
 
 TEST(RayCaster, DiffersFromThePlainWalkOnlyAtCornersOnRationalRays) {
-  const world::Plan plan = scatteredPlan(64, 64, 3, 20);
+  const world::Plan plan = world::scatteredPlan(64, 64, 3, 20);
   core::RandomStream random(5, "rational rays");
   int ties = 0;
   const int rays = 40000;
@@ -228,7 +229,7 @@ struct Symmetry {
 };
 
 TEST(RayCaster, GivesTheSameBitsInTheEightImagesOfAPlan) {
-  const world::Plan plan = scatteredPlan(120, 90, 21, 80);
+  const world::Plan plan = world::scatteredPlan(120, 90, 21, 80);
   for (int image = 1; image < 8; ++image) {
     const Symmetry symmetry{(image & 1) != 0, (image & 2) != 0, (image & 4) != 0};
     const world::Plan image_plan = symmetry(plan);
@@ -246,7 +247,7 @@ TEST(RayCaster, GivesTheSameBitsInTheEightImagesOfAPlan) {
 }
 
 TEST(RayCaster, EndsEveryAxisAlignedRayOnAGridLine) {
-  const world::Plan plan = scatteredPlan(40, 30, 2, 30);
+  const world::Plan plan = world::scatteredPlan(40, 30, 2, 30);
   for (int column = 0; column <= plan.columns; ++column)
     for (int row = 0; row <= plan.rows; ++row)
       for (const core::Point2 direction :
@@ -260,12 +261,12 @@ TEST(RayCaster, EndsEveryAxisAlignedRayOnAGridLine) {
 TEST(RayCaster, KeepsTheHitInItsColumnOnAnAlmostParallelRay) {
   // One rounding step below the wall y = 2, with the slope of cos(pi/2): row(3) rounds to 2, so the walk
   // enters the wall in column 2, while the line through the same numbers meets y = 2 only at x = 4.2.
-  const world::Plan plan = drawnPlan({"############", "............", "............"});
+  const world::Plan plan = world::drawnPlan({"############", "............", "............"});
   EXPECT_EQ(castRayInCells(plan, {0.5, std::nextafter(2.0, 0.0)}, {1, 6e-17}), 2.5);
 }
 
 TEST(RayCaster, TurnsAndShiftsWithThePlan) {
-  world::Plan placed = scatteredPlan(90, 120, 4, 50);
+  world::Plan placed = world::scatteredPlan(90, 120, 4, 50);
   const world::Plan still = placed;
   core::RandomStream random(8, "placed");
   int ties = 0;
@@ -288,7 +289,7 @@ TEST(RayCaster, TurnsAndShiftsWithThePlan) {
 }
 
 TEST(RayCaster, CastsAScanBeamByBeam) {
-  world::Plan plan = scatteredPlan(100, 100, 6, 40);
+  world::Plan plan = world::scatteredPlan(100, 100, 6, 40);
   plan.T_world_plan = {-1, 2, 0.3};
   const core::Pose2 T_world_lidar{0.5, 4.5, 1.2};
   std::vector<float> ranges(3, -1.0F);
@@ -309,7 +310,7 @@ TEST(RayCaster, CastsAScanBeamByBeam) {
 }
 
 TEST(RayCaster, GivesTheSameBitsInEveryBuild) {
-  const world::Plan plan = scatteredPlan(300, 200, 1, 200);
+  const world::Plan plan = world::scatteredPlan(300, 200, 1, 200);
   core::RandomStream random(1, "golden");
   std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a over the bits of 20000 ranges
   for (int i = 0; i < 20000; ++i) {

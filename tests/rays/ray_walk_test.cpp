@@ -39,16 +39,16 @@ std::string path(const std::vector<Visit>& all) {
 }
 
 TEST(RayWalk, EntersTheCellsInOrderUpToTheWall) {
-  const world::Plan plan = drawnPlan({"...#.",  //
-                                      ".....",  //
-                                      "....."});
+  const world::Plan plan = world::drawnPlan({"...#.",  //
+                                             ".....",  //
+                                             "....."});
   EXPECT_EQ(path(visits(plan, {0.5, 0.5}, {0.8, 0.6})), "0,0 1,0 1,1 2,1 2,2 3,2 ");
   EXPECT_EQ(path(visits(plan, {2.9, 2.05}, {-0.8, -0.6})), "2,2 2,1 1,1 1,0 0,0 ");  // to the plan's edge
   EXPECT_EQ(path(visits(plan, {1.5, 0.5}, {0, 1})), "1,0 1,1 1,2 ");
 }
 
 TEST(RayWalk, VisitsNothingFromOutside) {
-  const world::Plan plan = drawnPlan({"...", "..."});
+  const world::Plan plan = world::drawnPlan({"...", "..."});
   for (const core::Point2 origin : {core::Point2{-0.1, 1}, {1, 2.1}, {std::nan(""), 1}})
     EXPECT_EQ(path(visits(plan, origin, {1, 0})), "");
   EXPECT_EQ(path(visits(plan, {1, 1}, {std::nan(""), 1})), "");
@@ -56,7 +56,7 @@ TEST(RayWalk, VisitsNothingFromOutside) {
 
 TEST(RayWalk, EntersEveryCellOnItsFaceAndEndsWhereTheRayCastEnds) {
   core::RandomStream random(5, "walk");
-  world::Plan plan = drawnPlan(std::vector<std::string>(40, std::string(60, '.')));
+  world::Plan plan = world::drawnPlan(std::vector<std::string>(40, std::string(60, '.')));
   for (auto& cell : plan.cells)
     if (random.chance(0.02)) cell = world::Cell::kOccupied;
   for (int i = 0; i < 2000; ++i) {
@@ -84,7 +84,7 @@ TEST(RayWalk, EntersEveryCellOnItsFaceAndEndsWhereTheRayCastEnds) {
 }
 
 TEST(RayWalk, ALimitEndsItAtMostTwoColumnsLate) {
-  const world::Plan plan = drawnPlan({std::string(30, '.')});
+  const world::Plan plan = world::drawnPlan({std::string(30, '.')});
   for (const double limit : {0.0, 0.4, 0.6, 3.0, 7.7}) {
     const auto all = visits(plan, {0.5, 0.5}, {1, 0}, limit);
     int within = 0;

@@ -10,13 +10,13 @@
 #include <optional>
 #include <string>
 
-#include "drawn_plan.h"
 #include "libslam/buildings/building.h"
 #include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/rays/ray_caster.h"
 #include "libslam/testing/temp_folder.h"
+#include "tests/world/drawn_plan.h"
 
 namespace slam::rays {
 namespace {
@@ -99,7 +99,7 @@ class Comparison {
 };
 
 world::Plan placedPlan(int columns, int rows, std::uint64_t seed, int one_in) {
-  world::Plan plan = scatteredPlan(columns, rows, seed, one_in);
+  world::Plan plan = world::scatteredPlan(columns, rows, seed, one_in);
   plan.T_world_plan = {3, -2, 0.7};
   return plan;
 }
@@ -215,8 +215,9 @@ TEST(SectorCaster, SkipsFartherThanOneByteCounts) {
 }
 
 TEST(SectorCaster, EqualsTheReferenceOnDrawnPlansOfOneCellOneLineAndNothing) {
-  for (const world::Plan& plan : {drawnPlan({"#"}), drawnPlan({"."}), drawnPlan({"?"}), drawnPlan({".?.#"}),
-                                  drawnPlan({"#", ".", "."}), drawnPlan({"#.", ".#"}), world::Plan{}}) {
+  for (const world::Plan& plan :
+       {world::drawnPlan({"#"}), world::drawnPlan({"."}), world::drawnPlan({"?"}), world::drawnPlan({".?.#"}),
+        world::drawnPlan({"#", ".", "."}), world::drawnPlan({"#.", ".#"}), world::Plan{}}) {
     Comparison compare(plan);
     for (double x = -0.5; x <= plan.columns + 0.5; x += 0.25)
       for (double y = -0.5; y <= plan.rows + 0.5; y += 0.25) {
@@ -229,14 +230,14 @@ TEST(SectorCaster, EqualsTheReferenceOnDrawnPlansOfOneCellOneLineAndNothing) {
 }
 
 TEST(SectorCaster, StopsAtTheMaximumRangeInclusive) {
-  const SectorCaster caster(drawnPlan({".....#"}));
+  const SectorCaster caster(world::drawnPlan({".....#"}));
   EXPECT_EQ(caster.castRay({0.5, 0.5}, 0, 4.5), 4.5);
   EXPECT_EQ(caster.castRay({0.5, 0.5}, 0, std::nextafter(4.5, 0.0)), kInfinity);
   EXPECT_EQ(caster.castRay({0.5, 0.5}, 0, -1), 4.5);
 }
 
 TEST(SectorCaster, AnswersInfinityForAPoseThatIsNotFiniteOrOutside) {
-  const SectorCaster caster(drawnPlan({"########", "#......#", "#......#", "########"}));
+  const SectorCaster caster(world::drawnPlan({"########", "#......#", "#......#", "########"}));
   for (const double bad : {kNaN, kInfinity, -kInfinity, 1e300, -0.5, 8.5}) {
     EXPECT_EQ(caster.castRay({bad, 1.5}, 0, 0), kInfinity) << bad;
     EXPECT_EQ(caster.castRay({1.5, bad}, 0, 0), kInfinity) << bad;
@@ -343,9 +344,9 @@ TEST(SectorCaster, CastsPartOfATable) {
 }
 
 TEST(SectorCaster, OutlivesAndIgnoresThePlanItWasMadeFrom) {
-  world::Plan plan = drawnPlan({".....#"});
+  world::Plan plan = world::drawnPlan({".....#"});
   const SectorCaster caster(plan);
-  plan = drawnPlan({".#"});
+  plan = world::drawnPlan({".#"});
   EXPECT_EQ(caster.castRay({0.5, 0.5}, 0, 0), 4.5);
 }
 

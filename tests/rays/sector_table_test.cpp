@@ -4,9 +4,9 @@
 
 #include <cstring>
 
-#include "drawn_plan.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
+#include "tests/world/drawn_plan.h"
 
 namespace slam::rays {
 namespace {
@@ -24,9 +24,9 @@ void fill(world::Plan& plan, int x0, int y0, int x1, int y1, world::Cell cell) {
 }
 
 TEST(SectorTable, CountsTheColumnsThatAreFreeForEverySlope) {
-  const world::Plan plan = drawnPlan({"....#",  //
-                                      ".....",  //
-                                      "....."});
+  const world::Plan plan = world::drawnPlan({"....#",  //
+                                             ".....",  //
+                                             "....."});
   const SectorTable table(plan);
   const Octant right_and_up{true, false, false};
   const auto at = [&](int u, int v) {
@@ -43,7 +43,7 @@ TEST(SectorTable, CountsTheColumnsThatAreFreeForEverySlope) {
 
 TEST(SectorTable, AnUpdateGivesTheTableThatANewOneWouldBe) {
   for (const int one_in : {5, 200, 5000}) {
-    world::Plan plan = scatteredPlan(330, 270, 1, one_in);
+    world::Plan plan = world::scatteredPlan(330, 270, 1, one_in);
     SectorTable table(plan);
     core::RandomStream random(2, "update");
     for (int i = 0; i < 60; ++i) {
@@ -61,7 +61,7 @@ TEST(SectorTable, AnUpdateGivesTheTableThatANewOneWouldBe) {
 }
 
 TEST(SectorTable, AnUpdateReachesTheBordersAndIgnoresWhatIsOutside) {
-  world::Plan plan = scatteredPlan(40, 30, 1, 1000000);
+  world::Plan plan = world::scatteredPlan(40, 30, 1, 1000000);
   SectorTable table(plan);
   fill(plan, 0, 0, 40, 1, world::Cell::kOccupied);
   table.update(plan, -5, -5, 45, 1);
@@ -72,7 +72,7 @@ TEST(SectorTable, AnUpdateReachesTheBordersAndIgnoresWhatIsOutside) {
   table.update(plan, 50, 0, 60, 10);
   table.update(plan, 5, 5, 5, 9);
   EXPECT_TRUE(sameCodes(table, SectorTable(plan)));
-  EXPECT_THROW(table.update(scatteredPlan(41, 30, 1, 10), 0, 0, 1, 1), core::ContractError);
+  EXPECT_THROW(table.update(world::scatteredPlan(41, 30, 1, 10), 0, 0, 1, 1), core::ContractError);
 }
 
 }  // namespace

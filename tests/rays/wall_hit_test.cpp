@@ -5,10 +5,10 @@
 #include <cmath>
 #include <functional>
 
-#include "drawn_plan.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/rays/ray_caster.h"
+#include "tests/world/drawn_plan.h"
 
 namespace slam::rays {
 namespace {
@@ -17,7 +17,7 @@ using core::degToRad;
 using core::kPi;
 
 TEST(FindWall, NamesCellFaceAndMaterial) {
-  const world::Plan plan = drawnPlan({"....", "..G.", "...."});
+  const world::Plan plan = world::drawnPlan({"....", "..G.", "...."});
   const auto east = findWall(plan, {0.5, 1.5}, 0);
   ASSERT_TRUE(east);
   EXPECT_EQ(east->distance_m, 1.5);
@@ -36,7 +36,7 @@ TEST(FindWall, NamesCellFaceAndMaterial) {
 }
 
 TEST(FindWall, LeavesAWallWhereItsMaterialEnds) {
-  const world::Plan plan = drawnPlan({".GG#.#"});
+  const world::Plan plan = world::drawnPlan({".GG#.#"});
   const auto hit = findWall(plan, {0.5, 0.5}, 0);
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->distance_m, 0.5);
@@ -46,7 +46,7 @@ TEST(FindWall, LeavesAWallWhereItsMaterialEnds) {
   EXPECT_EQ(from_inside->distance_m, 0);
   EXPECT_EQ(from_inside->face_x, 0);
   EXPECT_EQ(from_inside->face_y, 0);
-  EXPECT_EQ(findWall(drawnPlan({".#"}), {0.5, 0.5}, 0)->leaves_m, INFINITY);
+  EXPECT_EQ(findWall(world::drawnPlan({".#"}), {0.5, 0.5}, 0)->leaves_m, INFINITY);
 }
 
 TEST(FindWall, IsAsFarAsTheCasterSays) {
@@ -70,7 +70,7 @@ TEST(FindWall, IsAsFarAsTheCasterSays) {
 }
 
 TEST(IsPlainAt, LooksAtEveryCellThatAPointMayBelongTo) {
-  const world::Plan plan = drawnPlan({"...", ".G.", "..."});
+  const world::Plan plan = world::drawnPlan({"...", ".G.", "..."});
   EXPECT_FALSE(isPlainAt(plan, {1.5, 1.5}));
   for (const double off : {-1e-6, 0.0, 1e-6}) {
     EXPECT_FALSE(isPlainAt(plan, {1 + off, 1.5})) << off;
@@ -79,7 +79,7 @@ TEST(IsPlainAt, LooksAtEveryCellThatAPointMayBelongTo) {
     EXPECT_TRUE(isPlainAt(plan, {0.5 + off, 2.5})) << off;
   }
   EXPECT_TRUE(isPlainAt(plan, {-1e9, 3.1}));
-  EXPECT_TRUE(isPlainAt(drawnPlan({"###"}), {1.5, 0.5}));
+  EXPECT_TRUE(isPlainAt(world::drawnPlan({"###"}), {1.5, 0.5}));
 }
 
 /// The normal where a ray from `origin` hits, degrees in the world.
@@ -93,7 +93,7 @@ double normalAt(const world::Plan& plan, const core::Point2& origin, double angl
 
 TEST(SurfaceAt, IsTheFaceOfAWallAlongAnAxis) {
   const world::Plan plan =
-      drawnPlan({"########", "#......#", "#......#", "#......#", "#..MM..#", "########"});
+      world::drawnPlan({"########", "#......#", "#......#", "#......#", "#..MM..#", "########"});
   for (int i = 0; i < 12; ++i) {
     const double x = 1.25 + 0.5 * i;
     EXPECT_EQ(normalAt(plan, {x, 2.5}, kPi / 2), -90) << x;
@@ -107,7 +107,7 @@ TEST(SurfaceAt, IsTheFaceOfAWallAlongAnAxis) {
 }
 
 TEST(SurfaceAt, IsTheFaceOfThinPanesAndSinglePosts) {
-  const world::Plan plan = drawnPlan({".......", ".GGGGG.", ".......", "...#...", "......."});
+  const world::Plan plan = world::drawnPlan({".......", ".GGGGG.", ".......", "...#...", "......."});
   EXPECT_EQ(normalAt(plan, {1.5, 2.5}, kPi / 2), -90);
   EXPECT_EQ(normalAt(plan, {5.5, 4.5}, -kPi / 2), 90);
   EXPECT_EQ(normalAt(plan, {0.5, 3.5}, 0), 180) << "the pane's end is no staircase";
@@ -118,12 +118,12 @@ TEST(SurfaceAt, IsTheFaceOfThinPanesAndSinglePosts) {
 
 TEST(SurfaceAt, KeepsToTheMaterialThatWasHit) {
   // A mirror that stands one cell out of the wall: its frame must not tilt it.
-  const world::Plan plan = drawnPlan({"##########", "....MMMM..", "..........", ".........."});
+  const world::Plan plan = world::drawnPlan({"##########", "....MMMM..", "..........", ".........."});
   for (int i = 0; i < 8; ++i) EXPECT_EQ(normalAt(plan, {4.25 + 0.5 * i, 0.5}, kPi / 2), -90) << i;
 }
 
 TEST(SurfaceAt, TurnsWithThePlan) {
-  world::Plan plan = drawnPlan({"####", "....", "...."});
+  world::Plan plan = world::drawnPlan({"####", "....", "...."});
   plan.T_world_plan = {5, 6, degToRad(30)};
   const core::Point2 origin = world::cellsToWorld(plan, {2.5, 0.5});
   EXPECT_NEAR(normalAt(plan, origin, degToRad(120)), -60, 1e-12);
@@ -171,7 +171,7 @@ TEST(SurfaceAt, SaysHowFarTheStepsStandOut) {
 }
 
 TEST(SurfaceAt, NeedsAFace) {
-  const world::Plan plan = drawnPlan({"###"});
+  const world::Plan plan = world::drawnPlan({"###"});
   EXPECT_THROW(surfaceAt(plan, *findWall(plan, {1.5, 0.5}, 0)), core::ContractError);
 }
 

@@ -61,9 +61,10 @@ TEST_P(EveryMemory, KeepsWhatTheRobotTurnsAwayFromUnlessItKeepsNothing) {
 TEST_P(EveryMemory, DrivesThePillarSceneWithANarrowViewAndADeadZone) {
   goals::NavigateOptions options;
   options.memory = GetParam();
-  auto lidar = scenes::exactLidar();
+  auto lidar = navigate::scenes::exactLidar();
   lidar.fov_rad = degToRad(90), lidar.beams = 91;
-  const auto drive = scenes::driveTo(scenes::pillar(), "tangent", lidar, scenes::exactOdometry(), options);
+  const auto drive = navigate::scenes::driveTo(navigate::scenes::pillar(), "tangent", lidar,
+                                               navigate::scenes::exactOdometry(), options);
   if (GetParam() == "none") return;  // forgets what it drives past; nothing is promised
   EXPECT_EQ(drive.status, goals::GoalStatus::kReached) << drive.reason;
   EXPECT_EQ(drive.collisions, 0U);
@@ -132,7 +133,7 @@ class Ahead : public strategies::Strategy {
   }
 };
 
-TEST(navigate::Driver, StopsForWhatItRemembersOnlyWhereItRemembers) {
+TEST(Driver, StopsForWhatItRemembersOnlyWhereItRemembers) {
   for (const std::string name : {"none", "local_map"}) {
     strategies::StrategyOptions options;
     options.memory = name;
@@ -158,13 +159,14 @@ TEST(navigate::Driver, StopsForWhatItRemembersOnlyWhereItRemembers) {
 
 TEST(RayNavigator, DrivesRoundWhatStandsInTheWayOfTheRay) {
   // A ray passes close by a pillar where the disc does not: straight on stops before it.
-  auto plan = scenes::room(9, 4);
-  scenes::fill(plan, 3, 0.9, 3.4, 1.9);
+  auto plan = navigate::scenes::room(9, 4);
+  navigate::scenes::fill(plan, 3, 0.9, 3.4, 1.9);
   const auto farthest = [&](const std::string& navigator) {
     strategies::StrategyOptions options;
     options.ray_navigator = navigator;
     const robot::RobotOptions robot;
-    sim::Simulator simulator(plan, robot, scenes::exactLidar(12), scenes::exactOdometry(), {1, 2, 0}, 1);
+    sim::Simulator simulator(plan, robot, navigate::scenes::exactLidar(12), navigate::scenes::exactOdometry(),
+                             {1, 2, 0}, 1);
     navigate::Driver driver(std::make_unique<Ahead>(), options, robot, 0.2, {1, "driver"});
     double farthest_m = 0;
     auto sensed = simulator.sense();
@@ -184,7 +186,8 @@ TEST(RayNavigator, LetsTheOriginalStrategiesSeeTheFlatWithoutACollision) {
     strategies::StrategyOptions options;
     options.name = name;
     options.ray_navigator = "tangent";
-    const auto run = scenes::explore(scenes::flat(), {6, 4, 0}, options, scenes::circleLidar(), 3, 300);
+    const auto run = navigate::scenes::explore(navigate::scenes::flat(), {6, 4, 0}, options,
+                                               navigate::scenes::circleLidar(), 3, 300);
     EXPECT_EQ(run.collisions, 0U);
     EXPECT_GT(run.seen_share, 0.5);
   }

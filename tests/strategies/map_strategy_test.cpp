@@ -218,7 +218,8 @@ TEST(MapExploration, SeesTheFlatAndTheMazeWholeWithoutACollision) {
     const auto plan = buildings::makeBuilding(world, 1);
     const auto start = world::findStartPose(plan, 0.35);
     for (const auto& name : mapStrategies()) {
-      const auto run = scenes::exploreOnMap(plan, *start, named(name), scenes::circleLidar(), 1, 1500);
+      const auto run =
+          navigate::scenes::exploreOnMap(plan, *start, named(name), navigate::scenes::circleLidar(), 1, 1500);
       EXPECT_TRUE(run.finished) << world << ", " << name;
       EXPECT_THAT(run.end, testing::StartsWith("explored: ")) << world << ", " << name;
       EXPECT_EQ(run.collisions, 0u) << world << ", " << name;
@@ -228,10 +229,12 @@ TEST(MapExploration, SeesTheFlatAndTheMazeWholeWithoutACollision) {
 }
 
 TEST(MapExploration, TheSameSeedTakesTheSameWay) {
-  const auto plan = scenes::flat();
+  const auto plan = navigate::scenes::flat();
   for (const auto& name : mapStrategies()) {
     const auto way = [&](std::uint64_t seed) {
-      return scenes::exploreOnMap(plan, {6, 4, 0}, named(name), scenes::circleLidar(), seed, 20).truth;
+      return navigate::scenes::exploreOnMap(plan, {6, 4, 0}, named(name), navigate::scenes::circleLidar(),
+                                            seed, 20)
+          .truth;
     };
     const auto once = way(1), again = way(1);
     ASSERT_EQ(once.size(), again.size());

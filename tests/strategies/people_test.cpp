@@ -12,14 +12,14 @@ namespace {
 
 /// Two rooms and a passage between them: 0.8 m wide, from x = 3 to 5 along y = 2.
 world::Plan twoRooms() {
-  auto plan = scenes::room(8, 4);
-  scenes::fill(plan, 3, 0, 5, 1.6);
-  scenes::fill(plan, 3, 2.4, 5, 4);
+  auto plan = navigate::scenes::room(8, 4);
+  navigate::scenes::fill(plan, 3, 0, 5, 1.6);
+  navigate::scenes::fill(plan, 3, 2.4, 5, 4);
   return plan;
 }
 
 world::Plan withLegAt(world::Plan plan, const core::Point2& p) {
-  scenes::fill(plan, p.x - 0.05, p.y - 0.05, p.x + 0.05, p.y + 0.05);
+  navigate::scenes::fill(plan, p.x - 0.05, p.y - 0.05, p.x + 0.05, p.y + 0.05);
   return plan;
 }
 
@@ -31,7 +31,7 @@ const core::Point2 kInTheWay{3.4, 2};
 struct Standing {
   std::unique_ptr<Strategy> strategy;
   world::Plan without = twoRooms(), with = withLegAt(twoRooms(), kInTheWay);
-  scenes::PerfectMap map{with};
+  navigate::scenes::PerfectMap map{with};
   double time_s = 0;
 
   explicit Standing(const std::string& name) {
@@ -39,12 +39,12 @@ struct Standing {
     options.name = name;
     strategy = makeStrategy(options, {1, "strategy"});
     for (const core::Pose2& T : {kRobot, core::Pose2{0.5, 1, 0}, {0.5, 3, 0}, {2.9, 1.7, 0}, {2.9, 2.3, 0}})
-      map.insert(T, scenes::scanIn(with, T, 0));
+      map.insert(T, navigate::scenes::scanIn(with, T, 0));
     strategy->seeMap(map.raster());
   }
   void see(const world::Plan& plan) {
     strategy->seeCommand({});
-    strategy->seeScan(scenes::scanIn(plan, kRobot, time_s += 0.2), kRobot);
+    strategy->seeScan(navigate::scenes::scanIn(plan, kRobot, time_s += 0.2), kRobot);
   }
   void letSomebodyCome() {
     for (int i = 0; i < 5; ++i) see(without);
@@ -52,7 +52,7 @@ struct Standing {
   }
   choices::Decision decide(const world::Plan& plan) {
     strategy->seeMap(map.raster());
-    return strategy->decide(scenes::scanIn(plan, kRobot, time_s), kRobot);
+    return strategy->decide(navigate::scenes::scanIn(plan, kRobot, time_s), kRobot);
   }
 };
 
@@ -148,7 +148,8 @@ int hitsIn(double limit_s, const core::Point2& hidden) {
   int hits = 0;
   bool collided = false;
   for (double time_s = 0; time_s < limit_s && !driver.finished(); time_s += 0.2) {
-    const auto next = T * robot::driveMotion(driver.next(scenes::scanIn(plan, T, time_s), T, collided));
+    const auto next =
+        T * robot::driveMotion(driver.next(navigate::scenes::scanIn(plan, T, time_s), T, collided));
     collided = core::distance(core::position(next), hidden) < contact_m;
     hits += collided;
     if (!collided) T = next;
@@ -158,12 +159,12 @@ int hitsIn(double limit_s, const core::Point2& hidden) {
 
 /// The least distance from p on the way.
 double closestTo(const core::Point2& p, std::vector<core::Point2> people) {
-  const auto plan = scenes::room(6, 4);
+  const auto plan = navigate::scenes::room(6, 4);
   navigate::Driver driver(std::make_unique<PathPastSomebody>(std::move(people)), {}, {}, 0.2, {1, "driver"});
   core::Pose2 T = kRobot;
   double closest_m = core::distance(core::position(T), p);
   for (int i = 0; i < 300 && !driver.finished(); ++i) {
-    T = T * robot::driveMotion(driver.next(scenes::scanIn(plan, T, 0.2 * i), T, false));
+    T = T * robot::driveMotion(driver.next(navigate::scenes::scanIn(plan, T, 0.2 * i), T, false));
     closest_m = std::min(closest_m, core::distance(core::position(T), p));
   }
   EXPECT_TRUE(driver.finished());

@@ -68,7 +68,7 @@ TEST(Strategies, SayWhatTheyAreFor) {
 }
 
 TEST(Strategies, StandStillWithoutAnyReading) {
-  for (const auto& name : scenes::maplessStrategies()) {
+  for (const auto& name : navigate::scenes::maplessStrategies()) {
     auto scan = circle({});
     std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), lidar::kLostReading);
     const auto decision = make(name)->decide(scan, {});

@@ -125,7 +125,7 @@ TEST(Tour, TriesAGoalThatCannotBeReachedTwiceAndEnds) {
   EXPECT_LE(decisions, 4);
 }
 
-TEST(choices::Openings, NarrowOnesLeadIntoNoRoom) {
+TEST(Openings, NarrowOnesLeadIntoNoRoom) {
   const auto space = paths::readFreeSpace(drawn(
       {"????????????", "????????????", "#.#######..#", "#..........#", "#..........#", "############"}));
   const auto frontiers = paths::findFrontiers(space, 1);

@@ -21,20 +21,20 @@ using ::testing::HasSubstr;
 
 /// Two rooms of 8 x 7 m on either side of a hall with a door to each.
 world::Plan hallWithRooms() {
-  return drawnPlan("hall_with_rooms", 400, 140,
-                   {{160, 0, 163, 110},
-                    {160, 130, 163, 140},
-                    {240, 0, 243, 110},
-                    {240, 130, 243, 140},
-                    {60, 40, 63, 138},
-                    {340, 40, 343, 138}});
+  return explore::drawnPlan("hall_with_rooms", 400, 140,
+                            {{160, 0, 163, 110},
+                             {160, 130, 163, 140},
+                             {240, 0, 243, 110},
+                             {240, 130, 243, 140},
+                             {60, 40, 63, 138},
+                             {340, 40, 343, 138}});
 }
 
 TeamRequest teamRequest(const testing::TempFolder& folder, const world::Plan& plan, int robots,
                         const std::string& strategy, const std::string& slam = explore::kTruthReference) {
   TeamRequest request;
-  request.plan_path = saved(folder, plan);
-  request.config = quickConfig(strategy, 400, {"simulation.start=10,3,90"});
+  request.plan_path = explore::saved(folder, plan);
+  request.config = explore::quickConfig(strategy, 400, {"simulation.start=10,3,90"});
   request.slam = slam;
   request.methods_folder = resources::configsFolder() + "/methods";
   request.output = folder / "out";
@@ -59,10 +59,11 @@ std::map<std::string, std::string> hashesIn(const std::string& folder) {
 TEST(Team, TwoExploreFasterThanOneAndDoNotCollide) {
   for (const std::string strategy : {"nearest_frontier", "information_gain", "next_best_view"}) {
     const testing::TempFolder folder;
-    auto one = request(folder, hallWithRooms(), {quickConfig(strategy, 400, {"simulation.start=10,3,90"})},
-                       explore::kTruthReference);
+    auto one = explore::request(folder, hallWithRooms(),
+                                {explore::quickConfig(strategy, 400, {"simulation.start=10,3,90"})},
+                                explore::kTruthReference);
     one.output = folder / "one";
-    const double alone_s = run(one).runs.front().figures.t99_s;
+    const double alone_s = explore::run(one).runs.front().figures.t99_s;
     const auto report = run(teamRequest(folder, hallWithRooms(), 2, strategy));
     EXPECT_EQ(report.team.end, explore::ExplorationEnd::kFinished) << strategy;
     EXPECT_GT(report.team.figures.coverage, 0.99) << strategy;
@@ -78,7 +79,7 @@ TEST(Team, TwoExploreFasterThanOneAndDoNotCollide) {
 TEST(Team, LeavesAFolderPerRobotAndOneMap) {
   const testing::TempFolder folder;
   auto both = teamRequest(folder, hallWithRooms(), 2, "nearest_frontier", "icp");
-  both.config = quickConfig("nearest_frontier", 20, {"simulation.start=10,3,90"});
+  both.config = explore::quickConfig("nearest_frontier", 20, {"simulation.start=10,3,90"});
   const auto report = run(both);
   for (const char* file :
        {"robot1/run.rawlog", "robot2/run.rawlog.GT.txt", "robot2/run.gt.tum", "robot1/map.png",
@@ -99,8 +100,8 @@ TEST(Team, LeavesAFolderPerRobotAndOneMap) {
 
 TEST(Team, TheBytesAreThoseOfTheSeedWhateverTheThreads) {
   const testing::TempFolder folder;
-  auto team = teamRequest(folder, twoRooms(), 2, "next_best_view", "graph");
-  team.config = quickConfig("next_best_view", 15, {"simulation.start=1.5,1.5,0"});
+  auto team = teamRequest(folder, explore::twoRooms(), 2, "next_best_view", "graph");
+  team.config = explore::quickConfig("next_best_view", 15, {"simulation.start=1.5,1.5,0"});
   run(team);
   const auto first = hashesIn(folder / "out");
   team.output = folder / "again";
@@ -131,8 +132,8 @@ TEST(Team, OutOfRadioRangeNothingIsShared) {
 TEST(Team, RefusesWhatCannotBe) {
   const testing::TempFolder folder;
   const auto refusal = [&](const auto& change) -> std::string {
-    auto team = teamRequest(folder, twoRooms(), 2, "nearest_frontier");
-    team.config = quickConfig("nearest_frontier", 5, {"simulation.start=1.5,1.5,0"});
+    auto team = teamRequest(folder, explore::twoRooms(), 2, "nearest_frontier");
+    team.config = explore::quickConfig("nearest_frontier", 5, {"simulation.start=1.5,1.5,0"});
     change(team);
     try {
       run(team);
@@ -161,13 +162,13 @@ TEST(Team, RefusesWhatCannotBe) {
 /// A room of 1 x 1 m beside which there is nothing.
 TEST(Team, SaysHowManyRobotsFit) {
   const testing::TempFolder folder;
-  world::Plan closet = twoRooms();
+  world::Plan closet = explore::twoRooms();
   for (int row = 0; row < closet.rows; ++row)
     for (int column = 0; column < closet.columns; ++column)
       if (row < 30 || row >= 50 || column < 20 || column >= 60)
         closet.cells[static_cast<size_t>(row * closet.columns + column)] = world::Cell::kOccupied;
   auto team = teamRequest(folder, closet, 4, "nearest_frontier");
-  team.config = quickConfig("nearest_frontier", 5, {"simulation.start=1.5,2,0"});
+  team.config = explore::quickConfig("nearest_frontier", 5, {"simulation.start=1.5,2,0"});
   try {
     run(team);
     FAIL() << "expected InputError";
