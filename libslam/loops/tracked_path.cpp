@@ -128,7 +128,7 @@ bool TrackedPath::finish() {
   if (size() == 0 || !map_->options().loops) return false;
   bool have_moved = false;
   loops_->searchRemainingLoops(0, [&] { have_moved = true; });
-  return loops_->closeRest() || have_moved;
+  return have_moved;
 }
 
 int TrackedPath::size() const {
