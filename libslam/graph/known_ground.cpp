@@ -4,6 +4,7 @@
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 
 /// Ground that was seen often enough costs no more: the robot goes on along the keyframes that are there (the
 /// idea of a reduced pose graph: Johannsson et al., ICRA 2013). So time and memory grow with the area, and
@@ -15,8 +16,6 @@ using core::Point2;
 using core::Pose2;
 using scanmatch::PatchPoint;
 
-/// Keyframes see the same as one that lies within so many of their distances.
-constexpr double kNearby = 2;
 /// Where a scan contradicts known ground it has to have moved by this share of a keyframe's distance, or
 /// angle, to become one.
 constexpr double kSoonest = 1.0 / 3;
@@ -25,22 +24,6 @@ constexpr double kSameView = 0.5;
 /// Points, point_spacing_m apart, that have to be seen changed: a chair.
 constexpr int kLeastChanged = 5;
 
-/// The share of what a scan looks at that another one from nearby looks at, too: of directions.
-double sharedView(const lidar::Scan& scan, const Pose2& T_map_robot, const lidar::Scan& other,
-                  const Pose2& T_map_other) {
-  const auto width = [](const lidar::Scan& s) {
-    return std::min(static_cast<double>(s.ranges_m.size()) * s.step_rad, 2 * core::kPi);
-  };
-  const auto middle = [&](const lidar::Scan& s, const Pose2& T) {
-    return T.phi + s.T_robot_lidar.phi + s.first_angle_rad + width(s) / 2;
-  };
-  const double its = width(scan), theirs = width(other);
-  const double apart = std::abs(core::angleDifference(middle(scan, T_map_robot), middle(other, T_map_other)));
-  const double one_way = std::min({its, theirs, (its + theirs) / 2 - apart}),
-               other_way = (its + theirs) / 2 - (2 * core::kPi - apart);
-  return std::clamp((std::max(one_way, 0.0) + std::max(other_way, 0.0)) / its, 0.0, 1.0);
-}
-
 }  // namespace
 
 /// Whether the keyframes around see all that a scan sees, often enough, so that one more tells nothing.
@@ -48,11 +31,7 @@ bool GraphSlam::isKnownGround(const lidar::Scan& scan, const Pose2& T_map_robot)
   if (options_.known_views <= 0 || doubt_.begins >= 0 || by_wheels_ || loops_.isFollowing() ||
       loops_.isClosing())
     return false;
-  double views = 0;
-  for (const int k : map_keyframes_)
-    if (core::distance(map_->pose(k), T_map_robot) <= kNearby * options_.keyframe_distance_m)
-      views += sharedView(scan, T_map_robot, map_->keyframe(k).seen, map_->pose(k));
-  return views >= options_.known_views;
+  return map_->viewsOf(scan, T_map_robot, map_keyframes_) >= options_.known_views;
 }
 
 /// Whether the robot has gone so far since its last keyframe, or since it was hung on one, that it needs
@@ -148,12 +127,12 @@ void GraphSlam::retireOldest(int k) {
   const auto& newest = map_->keyframe(k);
   double views = 0;
   int oldest = k;
-  const double nearby_m = kNearby * options_.keyframe_distance_m;
+  const double nearby_m = keyframes::kNearby * options_.keyframe_distance_m;
   for (const int other :
        map_->keyframesAround(k, core::position(map_->pose(k)), options_.map_path_m, nearby_m)) {
     if (other == k) continue;
     const double shared =
-        sharedView(newest.seen, map_->pose(k), map_->keyframe(other).seen, map_->pose(other));
+        keyframes::sharedView(newest.seen, map_->pose(k), map_->keyframe(other).seen, map_->pose(other));
     views += shared;
     if (shared > kSameView) oldest = std::min(oldest, other);
   }

@@ -103,6 +103,9 @@ class KeyframeMap {
   Told toldBy(const std::vector<int>& viewers, const std::vector<scanmatch::PatchPoint>& points,
               const core::Pose2& T_map_robot, const lidar::Scan* scan = nullptr) const;
 
+  /// How often those keyframes that lie nearby see what a scan looks at: see sharedView().
+  double viewsOf(const lidar::Scan& scan, const core::Pose2& T_map_robot,
+                 const std::vector<int>& among) const;
   /// Of `near`, in its order, the keyframes that k's match at this pose is shared among: not two in a row,
   /// and only those whose beams agree.
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,

@@ -38,6 +38,10 @@ Sight sight(const lidar::Scan& seen, const core::Point2& p_lidar);
 View view(const lidar::Scan& scan, const core::Pose2& T_viewer_points,
           const std::vector<scanmatch::PatchPoint>& points, size_t stride = 1);
 
+/// The share of what a scan looks at that another one from nearby looks at, too: of directions.
+double sharedView(const lidar::Scan& scan, const core::Pose2& T_map_robot, const lidar::Scan& other,
+                  const core::Pose2& T_map_other);
+
 /// How the error of a pose at `from` shows in one that is firmly joined to it and lies at `to`; map frame.
 Eigen::Matrix3d moved(const core::Point2& from, const core::Point2& to);
 /// Of a covariance's eigenvalues, against the largest: below, they are rounding.

@@ -30,6 +30,8 @@ inline constexpr int kMostQueryKeyframes = 30;
 inline constexpr int kViewers = 6;
 inline constexpr double kViewerDistance_m = 4;
 
+/// Keyframes see the same as one that lies within so many of their distances.
+inline constexpr double kNearby = 2;
 /// Two views of one surface both err.
 inline constexpr double kBothViews = 2;
 /// A place that is followed may be corrected by this much from keyframe to keyframe, and fail so often.

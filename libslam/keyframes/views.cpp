@@ -5,6 +5,7 @@
 #include "libslam/core/rigid_motion2.h"
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 
 namespace slam::keyframes {
 
@@ -23,6 +24,21 @@ bool isApart(int keyframe, const std::vector<int>& others) {
 }
 
 }  // namespace
+
+double sharedView(const lidar::Scan& scan, const Pose2& T_map_robot, const lidar::Scan& other,
+                  const Pose2& T_map_other) {
+  const auto width = [](const lidar::Scan& s) {
+    return std::min(static_cast<double>(s.ranges_m.size()) * s.step_rad, 2 * core::kPi);
+  };
+  const auto middle = [&](const lidar::Scan& s, const Pose2& T) {
+    return T.phi + s.T_robot_lidar.phi + s.first_angle_rad + width(s) / 2;
+  };
+  const double its = width(scan), theirs = width(other);
+  const double apart = std::abs(core::angleDifference(middle(scan, T_map_robot), middle(other, T_map_other)));
+  const double one_way = std::min({its, theirs, (its + theirs) / 2 - apart}),
+               other_way = (its + theirs) / 2 - (2 * core::kPi - apart);
+  return std::clamp((std::max(one_way, 0.0) + std::max(other_way, 0.0)) / its, 0.0, 1.0);
+}
 
 double View::conflict() const {
   return agreed + passed == 0 ? 0 : static_cast<double>(passed) / (agreed + passed);
@@ -108,6 +124,15 @@ Told KeyframeMap::toldBy(const std::vector<int>& viewers, const std::vector<Patc
   told.contradicted /= static_cast<double>(viewers.size());
   told.telling /= static_cast<double>(viewers.size());
   return told;
+}
+
+double KeyframeMap::viewsOf(const lidar::Scan& scan, const Pose2& T_map_robot,
+                            const std::vector<int>& among) const {
+  double views = 0;
+  for (const int k : among)
+    if (core::distance(graph_.pose(k), T_map_robot) <= kNearby * options_.keyframe_distance_m)
+      views += sharedView(scan, T_map_robot, keyframe(k).seen, graph_.pose(k));
+  return views;
 }
 
 std::vector<int> KeyframeMap::partnersOf(int k, const std::vector<int>& near,

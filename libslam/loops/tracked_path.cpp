@@ -30,31 +30,48 @@ void TrackedPath::nextScan(double moved_m) {
 bool TrackedPath::addKeyframe(const std::vector<lidar::Scan>& seen, const Placed& placed) {
   if (!has_begun_ || seen.empty()) throw core::ContractError("TrackedPath: a keyframe without a scan");
   const auto& options = map_->options();
+  std::vector<int> near;
+  if (placed.is_matched && anchor_ >= 0)
+    near = keyframes::firstOf(map_->keyframesAround(anchor_, core::position(placed.T_map_robot),
+                                                    options.map_path_m, options.map_radius_m),
+                              options.map_keyframes);
+  if (placed.is_explained && isKnownGround(seen.front(), placed.T_map_robot, near)) {
+    anchor_ = near.front();
+    T_anchor_robot_ = core::between(map_->pose(anchor_), placed.T_map_robot);
+    return false;
+  }
+  insert(seen, placed, near);
+  return options.loops && size() > 1 && loops_->closeLoops() && loops_->completeClosing();
+}
+
+/// Whether the keyframes around see all that a scan sees, often enough, so that one more tells nothing.
+bool TrackedPath::isKnownGround(const lidar::Scan& scan, const Pose2& T_map_robot,
+                                const std::vector<int>& near) const {
+  const double enough = map_->options().known_views;
+  return enough > 0 && !near.empty() && !loops_->isFollowing() &&
+         map_->viewsOf(scan, T_map_robot, near) >= enough;
+}
+
+void TrackedPath::insert(const std::vector<lidar::Scan>& seen, const Placed& placed,
+                         const std::vector<int>& near) {
   keyframes::Keyframe keyframe{};
   for (const auto& scan : seen) {
-    const auto points = keyframes::pointsOf(scan, options);
+    const auto points = keyframes::pointsOf(scan, map_->options());
     keyframe.points.insert(keyframe.points.end(), points.begin(), points.end());
   }
   keyframe.scan = map_->scan();
   keyframe.seen = seen.front();
-  if (seen.size() > 1) others_[map_->size()].assign(seen.begin() + 1, seen.end());
   keyframe.path_m = map_->path_m();
   keyframe.odometry_edge = keyframe.matched_to = -1;
   const int k = map_->size();
-  std::vector<int> near;
+  if (seen.size() > 1) others_[k].assign(seen.begin() + 1, seen.end());
   scanmatch::MatchEvidence evidence;
-  keyframes::PoseError error;
-  if (k == 0) {
+  if (!near.empty()) evidence = evidenceFrom(near, keyframe.points, placed);
+  keyframes::PoseError error{};
+  if (k == 0)
     error.noise = error.covariance = Eigen::Matrix3d::Zero();
-  } else {
-    if (placed.is_matched) {
-      near = keyframes::firstOf(map_->keyframesAround(k - 1, core::position(placed.T_map_robot),
-                                                      options.map_path_m, options.map_radius_m),
-                                options.map_keyframes);
-      evidence = evidenceFrom(near, keyframe.points, placed);
-    }
+  else
     error = errorOf(evidence, placed);
-  }
   keyframe.noise = error.noise, keyframe.covariance = error.covariance;
   keyframe.root = scanmatch::rootOf(error.covariance + error.noise);
   map_->graph().addNode(placed.T_map_robot);
@@ -62,13 +79,16 @@ bool TrackedPath::addKeyframe(const std::vector<lidar::Scan>& seen, const Placed
   map_->links().addKeyframe();
   if (k == 0) {
     map_->graph().setFixed(0);
-    return false;
+  } else {
+    addOdometryEdge(k, placed);
+    map_->link(anchor_, k);
+    // What was driven on known ground is no way from one to the other.
+    if (anchor_ != k - 1) map_->addClosure(anchor_, k);
+    if (!near.empty()) addMatchEdges(k, near, keyframes::toldInformation(evidence));
+    keyframes::noteMatch(*map_, evidence, error.least);
   }
-  addOdometryEdge(k, placed);
-  map_->link(k - 1, k);
-  if (placed.is_matched) addMatchEdges(k, near, keyframes::toldInformation(evidence));
-  keyframes::noteMatch(*map_, evidence, error.least);
-  return options.loops && loops_->closeLoops() && loops_->completeClosing();
+  anchor_ = k;
+  T_anchor_robot_ = {};
 }
 
 /// What a scan tells of its pose among these keyframes.
@@ -88,15 +108,15 @@ scanmatch::MatchEvidence TrackedPath::evidenceFrom(const std::vector<int>& near,
   return evidence;
 }
 
-/// As if the scan had been matched with the motion since the keyframe before as its prior.
+/// As if the scan had been matched with the motion since the last call as its prior.
 keyframes::PoseError TrackedPath::errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed) {
-  const Pose2& T_before = map_->pose(map_->lastKeyframe());
+  const Pose2 T_before = map_->pose(anchor_) * T_anchor_robot_;
   const Eigen::Matrix3d odometry = scanmatch::turned(placed.odometry_covariance, -T_before.phi);
   const Eigen::Matrix3d posterior = keyframes::matchOptions(1).information_scale * evidence.information() +
                                     scanmatch::covarianceOf(odometry);
   const keyframes::PoseError error =
       keyframes::errorAfterMatch(*map_, evidence, posterior, placed.T_map_robot,
-                                 {T_before, map_->keyframe(map_->lastKeyframe()).covariance, odometry});
+                                 {T_before, map_->keyframe(anchor_).covariance, odometry});
   // The first keyframe lies where it lies; what it saw does not.
   if (map_->size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(error.noise);
   return error;
@@ -104,8 +124,8 @@ keyframes::PoseError TrackedPath::errorOf(const scanmatch::MatchEvidence& eviden
 
 void TrackedPath::addOdometryEdge(int k, const Placed& placed) {
   posegraph::Edge edge;
-  edge.from = k - 1, edge.to = k;
-  edge.T_from_to = placed.T_before_robot;
+  edge.from = anchor_, edge.to = k;
+  edge.T_from_to = T_anchor_robot_ * placed.T_before_robot;
   edge.information = scanmatch::edgeInformation(scanmatch::covarianceOf(placed.odometry_covariance),
                                                 placed.T_before_robot.phi);
   map_->keyframes().back().odometry_edge = map_->graph().addEdge(edge);

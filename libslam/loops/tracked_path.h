@@ -27,8 +27,9 @@ class LoopCloser;
 ///
 /// Keyframes are numbered from 0. Frames: map is any that the tracker keeps to; the first keyframe stays.
 /// Journal: `searched`, `found`, `dropped`, `confirmed`, `rejected`, `accepted` and `optimised`, as
-/// GraphSlam's. Cost: some 10 kB a keyframe; a search now and then, some milliseconds; when a loop is closed,
-/// all poses anew.
+/// GraphSlam's. Cost: some 10 kB a
+/// keyframe, of which there are the more the larger the area is; a search now and then, some milliseconds;
+/// when a loop is closed, all poses anew.
 class TrackedPath {
  public:
   explicit TrackedPath(const keyframes::GraphOptions& options);
@@ -37,20 +38,24 @@ class TrackedPath {
   /// Where a keyframe is when it comes.
   struct Placed {
     core::Pose2 T_map_robot;
-    core::Pose2 T_before_robot;           ///< since the keyframe before, by odometry
-    Eigen::Matrix3d odometry_covariance;  ///< of that, in the frame of the keyframe before; positive definite
+    core::Pose2 T_before_robot;           ///< since the last call, by odometry
+    Eigen::Matrix3d odometry_covariance;  ///< of that, in the frame of the robot before; positive definite
     bool is_matched;                      ///< to what the keyframes around it have drawn
+    bool is_explained;                    ///< they explain it
     std::optional<core::Point2> open;     ///< unit vector in the map: the match said nothing along it
   };
   /// The next scan; it was taken so far from the one before. Journal entries refer to scans, counted from 0.
   void nextScan(double moved_m);
-  /// Of all lidars at this scan, the first one's beams judge loops. True when a loop was closed, and the
-  /// keyframes have moved. REQUIRES finite numbers, and nextScan() before (ContractError).
+  /// A keyframe of what all lidars see at this scan, of which the first one's beams judge loops; or, where
+  /// enough keyframes see the same, none: the path goes on from the nearest of them. True when a loop was
+  /// closed, and the keyframes have moved. REQUIRES finite numbers, and nextScan() before (ContractError).
   bool addKeyframe(const std::vector<lidar::Scan>& seen, const Placed& placed);
   /// Loops that are found with all of the path known. True when the keyframes have moved.
   bool finish();
 
   int size() const;
+  /// The keyframe that the path goes on from; -1: there is none yet.
+  int anchor() const { return anchor_; }
   int scan(int keyframe) const;
   const core::Pose2& pose(int keyframe) const;
   /// Of its pose in the map, map frame, as it was known when it came or when the last loop was closed.
@@ -68,6 +73,9 @@ class TrackedPath {
   scanmatch::MatchEvidence evidenceFrom(const std::vector<int>& near,
                                         const std::vector<scanmatch::PatchPoint>& points,
                                         const Placed& placed);
+  bool isKnownGround(const lidar::Scan& scan, const core::Pose2& T_map_robot,
+                     const std::vector<int>& near) const;
+  void insert(const std::vector<lidar::Scan>& seen, const Placed& placed, const std::vector<int>& near);
   keyframes::PoseError errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed);
   void addOdometryEdge(int keyframe, const Placed& placed);
   void addMatchEdges(int keyframe, const std::vector<int>& near, const Eigen::Matrix3d& information);
@@ -76,6 +84,8 @@ class TrackedPath {
   std::unique_ptr<LoopCloser> loops_;
   std::map<int, std::vector<lidar::Scan>> others_;  ///< what other lidars than the first saw
   scanmatch::SurfelMap here_;                       ///< of the keyframes around the newest one
+  int anchor_ = -1;
+  core::Pose2 T_anchor_robot_;  ///< at the last call
   bool has_begun_ = false;
 };
 

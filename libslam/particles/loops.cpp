@@ -39,11 +39,12 @@ void ParticleFilter::keepKeyframe(const std::vector<lidar::Scan>& seen, bool is_
   placed.T_before_robot = since_keyframe_.T_previous_robot;
   placed.odometry_covariance = since_keyframe_.covariance;
   placed.is_matched = is_matched;
+  placed.is_explained = step_.score >= options_.insert_score;
   if (step_.degenerate) placed.open = particles_[best_].match.free_direction;
   local_covariance_.setZero();
   since_keyframe_ = {{}, Eigen::Matrix3d::Zero()};
   std::vector<core::Pose2> before = past_->poses();
-  before.push_back(placed.T_map_robot);
+  before.push_back(placed.T_map_robot);  // of a keyframe that may come
   const size_t noted = past_->journal().size();
   const bool is_closed = past_->addKeyframe(seen, placed);
   journal_.insert(journal_.end(), past_->journal().begin() + static_cast<long>(noted),
@@ -55,15 +56,14 @@ void ParticleFilter::keepKeyframe(const std::vector<lidar::Scan>& seen, bool is_
 void ParticleFilter::followLoop(const std::vector<core::Pose2>& before) {
   step_.loop_closed = true;
   const core::Trajectory since = paths_.path(particles_[best_].leaf);
-  int k = past_scans_.empty() ? 0 : past_scans_.back().keyframe;
   for (const auto& [time_s, T_raster_robot] : since) {
-    const auto scan = static_cast<int>(past_scans_.size());
-    while (k + 1 < past_->size() && past_->scan(k + 1) <= scan) ++k;
+    const size_t scan = past_scans_.size();
+    const int k = scan < drifts_.size() ? drifts_[scan].keyframe : past_->anchor();
     past_scans_.push_back({time_s, k, core::between(before[static_cast<size_t>(k)], T_raster_robot)});
   }
   redrawMap(before);
   Particle& best = particles_[best_];
-  best.T_raster_robot = past_->pose(k) * past_scans_.back().T_keyframe_robot;
+  best.T_raster_robot = past_->pose(past_scans_.back().keyframe) * past_scans_.back().T_keyframe_robot;
   best.log_weight = 0;
   for (Particle& particle : particles_) {
     paths_.release(particle.leaf);
@@ -72,7 +72,7 @@ void ParticleFilter::followLoop(const std::vector<core::Pose2>& before) {
   for (Particle& particle : particles_)
     if (&particle != &best) particle = best;
   shared_keyframes_ = past_->size();
-  T_inserted_ = past_->pose(past_->size() - 1);
+  T_inserted_ = best.T_raster_robot;
 }
 
 /// The best particle's, where its past has moved by more than the map shows.

@@ -227,9 +227,9 @@ void ParticleFilter::estimateCovariance() {
   }
   mean /= sum;
   Eigen::Matrix3d own = local_covariance_;
-  if (const int last = past_->size() - 1; last >= 0) {
-    const Eigen::Matrix3d F = carry(past_->pose(last), T);
-    own += F * past_->covariance(last) * F.transpose();
+  if (const int anchor = past_->anchor(); anchor >= 0) {
+    const Eigen::Matrix3d F = carry(past_->pose(anchor), T);
+    own += F * past_->covariance(anchor) * F.transpose();
   }
   step_.covariance = rotated(own + spread / sum - mean * mean.transpose(), mapFromRaster().phi);
 }
@@ -327,7 +327,7 @@ const ParticleStep& ParticleFilter::update(const lidar::Scan& scan, const std::o
     keepKeyframe(scans, !is_first && !restarted);
   }
   estimateCovariance();
-  drifts_.push_back({past_->size() - 1, local_covariance_});
+  drifts_.push_back({past_->anchor(), local_covariance_});
   step_.T_map_robot = mapFromRaster() * particles_[best_].T_raster_robot;
   ++scans_;
   return step_;
