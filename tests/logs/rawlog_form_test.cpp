@@ -52,7 +52,7 @@ std::vector<std::string> shape(const std::vector<Object>& objects) {
   return words;
 }
 
-std::vector<Object> rawlogs::inForm(const std::string& path, rawlogs::RawlogForm form) {
+std::vector<Object> inForm(const std::string& path, rawlogs::RawlogForm form) {
   const auto source = rawlogs::inForm(openLog(path), form, path);
   std::vector<Object> objects;
   while (auto object = source->next()) objects.push_back(object);
@@ -68,7 +68,7 @@ TEST(ToFrames, GivesOneFrameAScanWithTheMotionSinceTheScanBefore) {
         << rawOdometry(kStart_s + 1, 8) << rawScan(kStart_s + 1, "L") << rawScan(kStart_s + 1, "R")
         << rawOdometry(kStart_s + 3, 9) << rawScan(kStart_s + 2, "L") << imu();
   }
-  const auto objects = rawlogs::inForm(folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
+  const auto objects = inForm(folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
   EXPECT_THAT(shape(objects),
               ElementsAre("A(0.00)", "F(IMU L)", "A(3.00)", "F(L)", "A", "F(R)", "A", "F(L)", "A", "F(IMU)"));
   const auto actions = std::dynamic_pointer_cast<CActionCollection>(objects[2]);
@@ -83,7 +83,7 @@ TEST(ToFrames, LetsActionsAndFramesPassAndTakesBareOnesIn) {
         << rawOdometry(kStart_s + 1, 100) << imu() << collection(wheelAction(kStart_s + 1, 2))
         << frame(rawScan(kStart_s + 1, "L")) << rawScan(kStart_s + 2, "R");
   }
-  EXPECT_THAT(shape(rawlogs::inForm(folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame)),
+  EXPECT_THAT(shape(inForm(folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame)),
               ElementsAre("A(1.00)", "F(L )", "A(2.00)", "F(L IMU)", "A", "F(R)"));
 }
 
@@ -95,7 +95,7 @@ TEST(ToFrames, BeginsNoFrameWithWhatHasNoStamp) {
     unstamped.timestamp = mrpt::Clock::time_point();
     log << unstamped << imu() << rawScan(kStart_s, "L") << imu() << unstamped << rawScan(kStart_s, "L");
   }
-  const auto objects = rawlogs::inForm(folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
+  const auto objects = inForm(folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
   EXPECT_THAT(shape(objects), ElementsAre("A", "F(L IMU IMU)", "A", "F(IMU IMU L)"));
 }
 
@@ -105,7 +105,7 @@ TEST(ToFrames, KeepsMemorySmallWithoutScans) {
     RawObjects log(folder / "a.rawlog");
     for (int i = 0; i < 2500; ++i) log << imu();
   }
-  EXPECT_EQ(rawlogs::inForm(folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame).size(), 6U);
+  EXPECT_EQ(inForm(folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame).size(), 6U);
 }
 
 TEST(ToObservations, IntegratesActionsAndKeepsEverythingElse) {
@@ -118,7 +118,7 @@ TEST(ToObservations, IntegratesActionsAndKeepsEverythingElse) {
         << frame(rawScan(kStart_s + 1.25, "L"), rawOdometry(kStart_s + 1, 77)) << collection()
         << frame(rawScan(kStart_s + 2, "L")) << imu() << collection(wheelAction(kStart_s + 3, 4));
   }
-  const auto objects = rawlogs::inForm(folder / "a.rawlog", rawlogs::RawlogForm::kObservationOnly);
+  const auto objects = inForm(folder / "a.rawlog", rawlogs::RawlogForm::kObservationOnly);
   EXPECT_THAT(shape(objects),
               ElementsAre("", "ODOMETRY", "IMU", "L", "R", "ODOMETRY", "L", "L", "IMU", "ODOMETRY"));
   const auto odometry = all<mrpt::obs::CObservationOdometry>(objects);

@@ -94,7 +94,7 @@ TEST_F(DataFolder, OfTheFirstInstallationServesProgramsElsewhere) {
 
 TEST(DataPlaces, OfATestAreItsBuildFolderAndItsSource) {
   const auto places = dataPlaces();
-  EXPECT_EQ(fs::path(places.code).filename(), "test_core");
+  EXPECT_EQ(fs::path(places.code).filename(), "test_resources");
   EXPECT_TRUE(fs::exists(places.source_folder + "/datasets/worlds/flat.yaml"));
   EXPECT_EQ(places.code.rfind(places.build_folder + "/", 0), 0U)
       << places.code << " in " << places.build_folder;
