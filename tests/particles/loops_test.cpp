@@ -99,6 +99,24 @@ TEST(ParticleLoops, CorrectThePast) {
   EXPECT_LT(worstOf(with.path()), 0.5 * worstOf(without.path()));
 }
 
+// Scans are matched to a map that was drawn of the past as it is now.
+TEST(ParticleLoops, LeaveTheRobotWhereTheMapHasIt) {
+  ParticleFilterOptions options;
+  options.count = 8;
+  ParticleFilter filter(options, 3);
+  const Drive& log = longDrive();
+  size_t closed_at = log.scans.size();
+  double worst = 1;
+  for (size_t i = 0; i < log.scans.size(); ++i) {
+    const auto& step = filter.update(log.scans[i], motionOf(log.increments[i]));
+    if (step.loop_closed) closed_at = i;
+    if (i > closed_at && i <= closed_at + 20) worst = std::min(worst, step.score);
+  }
+  ASSERT_LT(closed_at, log.scans.size()) << "no loop";
+  RecordProperty("worst", std::to_string(worst));
+  EXPECT_GT(worst, 0.6);
+}
+
 TEST(ParticleLoops, TellHowSureThePastIs) {
   const auto filter = driven(true);
   const auto path = filter.path();
