@@ -47,7 +47,8 @@ tests_of() {
     methods) echo mapping ;;
     goals) echo navigate ;;
     drafting) echo check ;;
-    keyframes | loops) echo graph ;;
+    keyframes) echo graph ;;
+    loops) echo "loops graph" ;;
     choices | strategies | safety) echo "$1 navigate" ;;
     movers) echo "movers sim" ;;
     calibration) echo "calibration doctor" ;;
