@@ -42,14 +42,7 @@ void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matr
       if (matched)
         T = matched->T_map_robot, told = matched->information, share = static_cast<double>(own.size());
     }
-    for (const int partner : own) {
-      posegraph::Edge edge;
-      edge.from = partner, edge.to = k;
-      edge.T_from_to = core::between(map_->pose(partner), T);
-      edge.information = scanmatch::edgeInformation(told, T.phi) / share;
-      map_->graph().addEdge(edge);
-      map_->link(partner, k);
-    }
+    map_->tie(k, own, T, told, share);
   }
 }
 

@@ -125,6 +125,18 @@ void KeyframeMap::addLoopEdges(std::vector<posegraph::Edge>& edges, const std::v
   }
 }
 
+void KeyframeMap::tie(int k, const std::vector<int>& partners, const Pose2& T_map_robot,
+                      const Eigen::Matrix3d& information, double share) {
+  for (const int partner : partners) {
+    posegraph::Edge edge;
+    edge.from = partner, edge.to = k;
+    edge.T_from_to = core::between(graph_.pose(partner), T_map_robot);
+    edge.information = scanmatch::edgeInformation(information, T_map_robot.phi) / share;
+    graph_.addEdge(edge);
+    link(partner, k);
+  }
+}
+
 int KeyframeMap::componentOf(int k) const {
   for (auto part = parts_.rbegin(); part != parts_.rend(); ++part)
     if (k >= part->begin) return part->component;

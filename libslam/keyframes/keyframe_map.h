@@ -103,6 +103,10 @@ class KeyframeMap {
   Told toldBy(const std::vector<int>& viewers, const std::vector<scanmatch::PatchPoint>& points,
               const core::Pose2& T_map_robot, const lidar::Scan* scan = nullptr) const;
 
+  /// Ties keyframe k, matched at this pose, to its partners: edges that share what the match tells, and
+  /// links.
+  void tie(int keyframe, const std::vector<int>& partners, const core::Pose2& T_map_robot,
+           const Eigen::Matrix3d& information, double share);
   /// How often those keyframes that lie nearby see what a scan looks at: see sharedView().
   double viewsOf(const lidar::Scan& scan, const core::Pose2& T_map_robot,
                  const std::vector<int>& among) const;

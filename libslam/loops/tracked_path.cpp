@@ -84,7 +84,9 @@ void TrackedPath::insert(const std::vector<lidar::Scan>& seen, const Placed& pla
     map_->link(anchor_, k);
     // What was driven on known ground is no way from one to the other.
     if (anchor_ != k - 1) map_->addClosure(anchor_, k);
-    if (!near.empty()) addMatchEdges(k, near, keyframes::toldInformation(evidence));
+    const Pose2& T = placed.T_map_robot;
+    const auto partners = map_->partnersOf(k, near, T);
+    map_->tie(k, partners, T, keyframes::toldInformation(evidence), static_cast<double>(partners.size()));
     keyframes::noteMatch(*map_, evidence, error.least);
   }
   anchor_ = k;
@@ -129,19 +131,6 @@ void TrackedPath::addOdometryEdge(int k, const Placed& placed) {
   edge.information = scanmatch::edgeInformation(scanmatch::covarianceOf(placed.odometry_covariance),
                                                 placed.T_before_robot.phi);
   map_->keyframes().back().odometry_edge = map_->graph().addEdge(edge);
-}
-
-void TrackedPath::addMatchEdges(int k, const std::vector<int>& near, const Eigen::Matrix3d& information) {
-  const Pose2& T = map_->pose(k);
-  const auto partners = map_->partnersOf(k, near, T);
-  for (const int partner : partners) {
-    posegraph::Edge edge;
-    edge.from = partner, edge.to = k;
-    edge.T_from_to = core::between(map_->pose(partner), T);
-    edge.information = scanmatch::edgeInformation(information, T.phi) / static_cast<double>(partners.size());
-    map_->graph().addEdge(edge);
-    map_->link(partner, k);
-  }
 }
 
 bool TrackedPath::finish() {

@@ -27,9 +27,8 @@ class LoopCloser;
 ///
 /// Keyframes are numbered from 0. Frames: map is any that the tracker keeps to; the first keyframe stays.
 /// Journal: `searched`, `found`, `dropped`, `confirmed`, `rejected`, `accepted` and `optimised`, as
-/// GraphSlam's. Cost: some 10 kB a
-/// keyframe, of which there are the more the larger the area is; a search now and then, some milliseconds;
-/// when a loop is closed, all poses anew.
+/// GraphSlam's. Cost: some 10 kB a keyframe, of which there are the more the larger the area is; a search now
+/// and then, some milliseconds; when a loop is closed, all poses anew, at once.
 class TrackedPath {
  public:
   explicit TrackedPath(const keyframes::GraphOptions& options);
@@ -56,13 +55,14 @@ class TrackedPath {
   int size() const;
   /// The keyframe that the path goes on from; -1: there is none yet.
   int anchor() const { return anchor_; }
-  int scan(int keyframe) const;
+  int scan(int keyframe) const;  ///< at which it came
   const core::Pose2& pose(int keyframe) const;
   /// Of its pose in the map, map frame, as it was known when it came or when the last loop was closed.
   const Eigen::Matrix3d& covariance(int keyframe) const;
   std::vector<core::Pose2> poses() const;
   /// Of all poses, by all that is known now.
   std::vector<Eigen::Matrix3d> covariances() const;
+  /// By all lidars.
   std::vector<lidar::Scan> seen(int keyframe) const;
   /// The tracker has changed its mind: what was matched to other keyframes was matched from here. For
   /// keyframes since the last loop.
@@ -78,7 +78,6 @@ class TrackedPath {
   void insert(const std::vector<lidar::Scan>& seen, const Placed& placed, const std::vector<int>& near);
   keyframes::PoseError errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed);
   void addOdometryEdge(int keyframe, const Placed& placed);
-  void addMatchEdges(int keyframe, const std::vector<int>& near, const Eigen::Matrix3d& information);
 
   std::unique_ptr<keyframes::KeyframeMap> map_;
   std::unique_ptr<LoopCloser> loops_;

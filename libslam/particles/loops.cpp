@@ -1,13 +1,16 @@
 #include <algorithm>
+#include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/particles/particle_filter.h"
 #include "libslam/scanmatch/information.h"
 
 namespace slam::particles {
 namespace {
 
-/// A past that has moved by less, in cells, is drawn as it was.
-constexpr double kSameMap = 0.25;
+/// A past that has moved by less, in cells, is drawn as it was; a turn counts as the metres that it moves a
+/// wall by at this distance.
+constexpr double kSameMap = 0.25, kWall_m = 3;
 
 }  // namespace
 
@@ -58,7 +61,8 @@ void ParticleFilter::followLoop(const std::vector<core::Pose2>& before) {
   const core::Trajectory since = paths_.path(particles_[best_].leaf);
   for (const auto& [time_s, T_raster_robot] : since) {
     const size_t scan = past_scans_.size();
-    const int k = scan < drifts_.size() ? drifts_[scan].keyframe : past_->anchor();
+    // What came before the first keyframe hangs on it, too.
+    const int k = std::max(scan < drifts_.size() ? drifts_[scan].keyframe : past_->anchor(), 0);
     past_scans_.push_back({time_s, k, core::between(before[static_cast<size_t>(k)], T_raster_robot)});
   }
   redrawMap(before);
@@ -79,8 +83,10 @@ void ParticleFilter::followLoop(const std::vector<core::Pose2>& before) {
 void ParticleFilter::redrawMap(const std::vector<core::Pose2>& before) {
   gridmap::Grid& map = particles_[best_].grid;
   double most_m = 0;
-  for (int k = 0; k < past_->size(); ++k)
-    most_m = std::max(most_m, core::distance(before[static_cast<size_t>(k)], past_->pose(k)));
+  for (int k = 0; k < past_->size(); ++k) {
+    const core::Pose2 moved = core::between(before[static_cast<size_t>(k)], past_->pose(k));
+    most_m = std::max(most_m, core::hypot(moved.x, moved.y) + kWall_m * std::abs(moved.phi));
+  }
   if (most_m < kSameMap * options_.cell_m) return;
   map = gridmap::Grid(map.options());
   for (int k = 0; k < past_->size(); ++k)

@@ -152,8 +152,8 @@ class ParticleFilter {
   std::vector<core::Pose2> poses() const;
   /// Cells stored in all maps, shared ones counted once; counted again at every 32nd insertion.
   double cells() const { return cells_; }
-  /// All maps and paths, what is shared counted once, directories included. Cost: a few 10 us per thousand
-  /// tiles.
+  /// All maps and paths, what is shared counted once, directories included; without the keyframes. Cost: a
+  /// few 10 us per thousand tiles.
   size_t bytes() const;
 
  private:

@@ -86,7 +86,7 @@ double closedBy(const Bent& drive, bool changes_its_mind) {
     auto placed = placedAt(drive.tracked[i],
                            i == 0 ? core::Pose2{} : core::between(drive.tracked[i - 3], drive.tracked[i]));
     placed.is_matched = i > 0;
-    const bool was_off = changes_its_mind && i % 30 == 0;
+    const bool was_off = changes_its_mind && i > 0;
     if (was_off) placed.T_map_robot = placed.T_map_robot * core::Pose2{0, 0.2, 0.05};
     if (path.addKeyframe({drive.log.scans[i]}, placed)) {
       double worst = 0;

@@ -109,12 +109,68 @@ TEST(ParticleLoops, LeaveTheRobotWhereTheMapHasIt) {
   double worst = 1;
   for (size_t i = 0; i < log.scans.size(); ++i) {
     const auto& step = filter.update(log.scans[i], motionOf(log.increments[i]));
-    if (step.loop_closed) closed_at = i;
+    if (step.loop_closed) {
+      closed_at = i;
+      for (const auto& pose : filter.poses()) EXPECT_LT(core::distance(pose, step.T_map_robot), 1e-9);
+    }
     if (i > closed_at && i <= closed_at + 20) worst = std::min(worst, step.score);
   }
   ASSERT_LT(closed_at, log.scans.size()) << "no loop";
   RecordProperty("worst", std::to_string(worst));
   EXPECT_GT(worst, 0.6);
+}
+
+/// Of the cells that either map has occupied, the share that both have.
+double sharedWalls(const gridmap::Grid& a, const gridmap::Grid& b) {
+  const auto raster = a.toRaster();
+  const int first_x = static_cast<int>(std::lround(raster.x_min_m / raster.resolution_m)),
+            first_y = static_cast<int>(std::lround(raster.y_min_m / raster.resolution_m));
+  int both = 0, either = 0;
+  for (int y = first_y; y < first_y + raster.rows; ++y)
+    for (int x = first_x; x < first_x + raster.columns; ++x) {
+      const bool in_a = a.probability(x, y) > 0.5, in_b = b.probability(x, y) > 0.5;
+      both += in_a && in_b, either += in_a || in_b;
+    }
+  return static_cast<double>(both) / either;
+}
+
+// What the best particle has driven is what the keyframes say, whichever particle was the best when they
+// came.
+TEST(ParticleLoops, DrawTheMapWhereTheBestParticleWas) {
+  ParticleFilterOptions options;
+  options.count = 30, options.proposal_scale = 1;
+  ParticleFilter filter(options, 3);
+  const Drive& log = longDrive();
+  std::vector<size_t> inserted;
+  for (size_t i = 0; i < log.scans.size(); ++i) {
+    const auto& step = filter.update(log.scans[i], motionOf(log.increments[i]));
+    if (step.inserted) inserted.push_back(i);
+    if (step.loop_closed) break;
+  }
+  ASSERT_TRUE(filter.lastStep().loop_closed) << "no loop";
+  const auto path = filter.path();
+  gridmap::Grid drawn(filter.map().options());
+  for (const size_t i : inserted)
+    drawn.insert(gridmap::scanRays(log.scans[i], filter.rays()),
+                 ParticleFilter::rasterFromMap() * path[i].pose);
+  RecordProperty("shared", std::to_string(sharedWalls(filter.map(), drawn)));
+  EXPECT_GT(sharedWalls(filter.map(), drawn), 0.97);
+}
+
+// A clean corridor does not tell how far the robot has come: each step's error by the wheels is one more.
+TEST(ParticleLoops, LeaveTheWheelsTheirErrorsAlongACorridor) {
+  std::vector<core::Pose2> way;
+  for (int i = 0; i < 100; ++i) way.push_back({0.1 * i, 0, 0});
+  const Drive log = drive(rectangle(-100, -1, 100, 1), way, {}, 0, 3);
+  ParticleFilterOptions options;
+  options.count = 8;
+  ParticleFilter filter(options, 3);
+  for (size_t i = 0; i < log.scans.size(); ++i) filter.update(log.scans[i], motionOf(log.increments[i]));
+  const Eigen::Matrix3d covariance = filter.lastStep().covariance;
+  RecordProperty("along", std::to_string(std::sqrt(covariance(0, 0))));
+  // 3 cm a step are 30 cm; particles that are resampled spread besides.
+  EXPECT_GT(std::sqrt(covariance(0, 0)), 0.15);
+  EXPECT_LT(std::sqrt(covariance(1, 1)), 0.05);
 }
 
 TEST(ParticleLoops, TellHowSureThePastIs) {
