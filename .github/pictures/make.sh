@@ -27,7 +27,7 @@ cp "$out/changes/changes.png" .github/pictures/changes.png
 # Killian Court, where KILLIAN names the log: rasterslam data mit-killian
 killian=${KILLIAN:-mit-killian.clf}
 if [ -f "$killian" ]; then
-  build/release/apps/rasterslam compare "$killian" --methods graph,particles,benchmarks/relations/rbpf.ini -o "$out/killian" -q
+  build/release/apps/rasterslam compare "$killian" --methods graph,particles -o "$out/killian" -q
   cp "$out/killian/maps.png" .github/pictures/killian.png
 fi
 for part in simulated original real; do
