@@ -1,7 +1,3 @@
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <algorithm>
-
 #include "libslam/graph/graph_slam.h"
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/pose_error.h"
@@ -12,12 +8,8 @@
 /// view to the next that shares no surface with it, not from keyframe to keyframe. Where a match leaves a
 /// direction open, odometry adds to the error before.
 namespace slam::graph {
-namespace {
 
-using core::Point2;
 using core::Pose2;
-
-}  // namespace
 
 /// What a scan tells of its pose, and what all scans so far say of the points' noise.
 void GraphSlam::noteEvidence(const std::vector<scanmatch::PatchPoint>& points, const Pose2& T_map_robot,

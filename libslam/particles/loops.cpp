@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "libslam/core/elementary.h"
+#include "libslam/keyframes/matching.h"
 #include "libslam/particles/particle_filter.h"
 #include "libslam/scanmatch/information.h"
 
@@ -55,19 +56,22 @@ void ParticleFilter::keepKeyframe(const std::vector<lidar::Scan>& seen, bool is_
   if (is_closed) followLoop(before);
 }
 
+/// That a scan hangs on; what came before the first one hangs on it, too.
+int ParticleFilter::keyframeOf(size_t scan) const {
+  return std::max(scan < drifts_.size() ? drifts_[scan].keyframe : past_->anchor(), 0);
+}
+
 /// All particles go on from the past that the graph has now.
 void ParticleFilter::followLoop(const std::vector<core::Pose2>& before) {
   step_.loop_closed = true;
   const core::Trajectory since = paths_.path(particles_[best_].leaf);
   for (const auto& [time_s, T_raster_robot] : since) {
-    const size_t scan = past_scans_.size();
-    // What came before the first keyframe hangs on it, too.
-    const int k = std::max(scan < drifts_.size() ? drifts_[scan].keyframe : past_->anchor(), 0);
-    past_scans_.push_back({time_s, k, core::between(before[static_cast<size_t>(k)], T_raster_robot)});
+    const auto k = static_cast<size_t>(keyframeOf(past_scans_.size()));
+    past_scans_.push_back({time_s, core::between(before[k], T_raster_robot)});
   }
   redrawMap(before);
   Particle& best = particles_[best_];
-  best.T_raster_robot = past_->pose(past_scans_.back().keyframe) * past_scans_.back().T_keyframe_robot;
+  best.T_raster_robot = past_->pose(keyframeOf(past_scans_.size() - 1)) * past_scans_.back().T_keyframe_robot;
   best.log_weight = 0;
   for (Particle& particle : particles_) {
     paths_.release(particle.leaf);
@@ -109,8 +113,8 @@ void ParticleFilter::finish() {
 
 core::Trajectory ParticleFilter::path() const {
   core::Trajectory path;
-  for (const PastScan& scan : past_scans_)
-    path.push_back({scan.time_s, past_->pose(scan.keyframe) * scan.T_keyframe_robot});
+  for (size_t i = 0; i < past_scans_.size(); ++i)
+    path.push_back({past_scans_[i].time_s, past_->pose(keyframeOf(i)) * past_scans_[i].T_keyframe_robot});
   const core::Trajectory since = paths_.path(particles_[best_].leaf);
   path.insert(path.end(), since.begin(), since.end());
   for (core::StampedPose& pose : path) pose.pose = mapFromRaster() * pose.pose;
@@ -126,7 +130,8 @@ std::vector<Eigen::Matrix3d> ParticleFilter::covariances() const {
     const auto& [k, drift] = drifts_[i];
     Eigen::Matrix3d own = drift;
     if (k >= 0) {
-      const Eigen::Matrix3d F = carry(past_->pose(k), rasterFromMap() * poses[i].pose);
+      const Eigen::Matrix3d F =
+          keyframes::moved(core::position(past_->pose(k)), core::position(rasterFromMap() * poses[i].pose));
       own += F * keyframes[static_cast<size_t>(k)] * F.transpose();
     }
     result.push_back(scanmatch::turned(own, kRasterTurn_rad));

@@ -14,10 +14,4 @@ Motion operator*(const Motion& first, const Motion& second) {
                                              by_second * second.covariance * by_second.transpose()};
 }
 
-Eigen::Matrix3d carry(const core::Pose2& from, const core::Pose2& to) {
-  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-  F(0, 2) = from.y - to.y, F(1, 2) = to.x - from.x;
-  return F;
-}
-
 }  // namespace slam::particles

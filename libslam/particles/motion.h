@@ -15,7 +15,4 @@ struct Motion {
 /// both.
 Motion operator*(const Motion& first, const Motion& second);
 
-/// How an error of the first pose, map frame, shows in the second, which hangs on it.
-Eigen::Matrix3d carry(const core::Pose2& from, const core::Pose2& to);
-
 }  // namespace slam::particles

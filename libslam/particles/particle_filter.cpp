@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
-#include <numeric>
-#include <set>
 #include <string>
-#include <tuple>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
+#include "libslam/keyframes/matching.h"
 
 namespace slam::particles {
 
@@ -32,6 +29,7 @@ constexpr std::uint64_t kCountEvery = 32;
 constexpr int kWideIterations = 4, kGuideIterations = 8;
 /// Spread of a motion that nobody measured (0.5 m, 0.5 rad), or that is distrusted.
 constexpr double kUnknownSigma = 0.5;
+/// Of odometry, how far a scan that nothing explains is looked for; steps within the maps' reach, and bounds.
 constexpr double kSearchSigmas = 3, kSearchStep_m = 0.3, kSearchLeast_m = 0.3, kSearchMost_m = 1.2,
                  kSearchStep_rad = 0.06, kSearchLeast_rad = 0.18, kSearchMost_rad = 0.6;
 /// No lidar of a robot sees farther, and a reading in error must not fill the memory.
@@ -202,7 +200,7 @@ void ParticleFilter::findBest() {
 void ParticleFilter::trackDrift(const core::Pose2& T_before, const Eigen::Matrix3d& motion_covariance,
                                 const Eigen::Matrix3d& prior_information) {
   const Particle& best = particles_[best_];
-  const Eigen::Matrix3d F = carry(T_before, best.T_raster_robot);
+  const Eigen::Matrix3d F = keyframes::moved(core::position(T_before), core::position(best.T_raster_robot));
   const Eigen::Matrix3d posterior = (best.match.information + prior_information).inverse();
   const Eigen::Matrix3d gain = posterior * best.match.information, kept = Eigen::Matrix3d::Identity() - gain;
   const Eigen::Matrix3d predicted = F * local_covariance_ * F.transpose() + motion_covariance;
@@ -228,7 +226,7 @@ void ParticleFilter::estimateCovariance() {
   mean /= sum;
   Eigen::Matrix3d own = local_covariance_;
   if (const int anchor = past_->anchor(); anchor >= 0) {
-    const Eigen::Matrix3d F = carry(past_->pose(anchor), T);
+    const Eigen::Matrix3d F = keyframes::moved(core::position(past_->pose(anchor)), core::position(T));
     own += F * past_->covariance(anchor) * F.transpose();
   }
   step_.covariance = rotated(own + spread / sum - mean * mean.transpose(), mapFromRaster().phi);
@@ -320,8 +318,6 @@ const ParticleStep& ParticleFilter::update(const lidar::Scan& scan, const std::o
     T_inserted_ = particles_[best_].T_raster_robot;
     if (insertions_++ % kCountEvery == 0)
       cells_ = static_cast<double>(distinctTiles()) * gridmap::Grid::tileBytes() / sizeof(gridmap::Cell);
-  }
-  if (step_.inserted) {
     std::vector<lidar::Scan> scans = {scan};
     scans.insert(scans.end(), others.begin(), others.end());
     keepKeyframe(scans, !is_first && !restarted);

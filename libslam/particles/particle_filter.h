@@ -94,9 +94,10 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 /// a scan is matched by.
 ///
 /// Covariance: resampling makes the particles alike, so that their spread alone tells little of how far the
-/// map has drifted. Every inserted scan is a keyframe of a loops::TrackedPath, which says how sure its pose
-/// is. A scan after it adds its own error against the map: that of the matched points, times drift_scale, and
-/// of the odometry as far as the match leaves it to hold the pose.
+/// map has drifted. Inserted scans are keyframes of a loops::TrackedPath, with keyframes::GraphOptions'
+/// defaults, as far as the ground is new to it; it says how sure their poses are. A scan after one adds its
+/// own error against the map: that of the matched points, times drift_scale, and of the odometry as far as
+/// the match leaves it to hold the pose.
 ///
 /// Loops: resampling leaves few pasts to choose from, and none of them may be right when the robot comes back
 /// to where it was long ago. So the keyframes are those of the best particle, and the TrackedPath looks for
@@ -193,6 +194,7 @@ class ParticleFilter {
   void beginPast(bool closes_loops);
   void keepKeyframe(const std::vector<lidar::Scan>& seen, bool is_matched);
   void alignKeyframes(int newest_scan);
+  int keyframeOf(size_t scan) const;
   void followLoop(const std::vector<core::Pose2>& poses_before);
   void redrawMap(const std::vector<core::Pose2>& poses_before);
   void trackDrift(const core::Pose2& T_before, const Eigen::Matrix3d& motion_covariance,
@@ -218,10 +220,9 @@ class ParticleFilter {
   Eigen::Matrix3d local_covariance_ = Eigen::Matrix3d::Zero();
   ParticleStep step_;
   std::vector<core::JournalEntry> journal_;
-  /// The past as it was when the last loop was closed: each scan by the keyframe before it.
+  /// The path up to the last closed loop, each scan by the keyframe that it hangs on.
   struct PastScan {
     double time_s;
-    int keyframe;
     core::Pose2 T_keyframe_robot;
   };
   std::unique_ptr<loops::TrackedPath> past_;

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -79,7 +78,6 @@ struct Bent {
 
 double closedBy(const Bent& drive, bool changes_its_mind) {
   TrackedPath path(keyframes::GraphOptions{});
-  std::vector<int> keyframes;
   for (size_t i = 0; i < drive.tracked.size(); ++i) {
     path.nextScan(i == 0 ? 0 : core::distance(drive.tracked[i - 1], drive.tracked[i]));
     if (i % 3 != 0) continue;

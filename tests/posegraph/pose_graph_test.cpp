@@ -37,9 +37,14 @@ TEST(PoseGraph, CountsChi2OverTheEdgesThatAreOn) {
   EXPECT_EQ(graph.chi2(0), 1);
   EXPECT_EQ(graph.chi2(1), 1);
   EXPECT_EQ(graph.chi2(), 2);
+  const core::Pose2 before = graph.edges()[0].T_from_to;
   graph.setOn(0, false);
   EXPECT_EQ(graph.chi2(), 1);
   EXPECT_EQ(graph.chi2(0), 1) << "of one edge: on or off";
+  graph.setMeasurement(0, {3, 0, 0});
+  EXPECT_EQ(graph.edges()[0].T_from_to.x, 3);
+  EXPECT_THROW(graph.setMeasurement(0, {kNan, 0, 0}), core::ContractError);
+  graph.setMeasurement(0, before);
   graph.setPose(1, {0, 0, 0});
   EXPECT_EQ(graph.chi2(), 0);
 }
@@ -62,6 +67,7 @@ TEST(PoseGraph, RefusesWhatIsNoGraph) {
   EXPECT_THROW(graph.setPose(2, {}), core::ContractError);
   EXPECT_THROW(graph.setFixed(-1), core::ContractError);
   EXPECT_THROW(graph.setOn(0, true), core::ContractError);
+  EXPECT_THROW(graph.setMeasurement(0, {}), core::ContractError);
   EXPECT_THROW(graph.chi2(0), core::ContractError);
   EXPECT_THROW(graph.pose(2), core::ContractError);
   EXPECT_THROW(graph.isFixed(2), core::ContractError);
