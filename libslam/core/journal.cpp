@@ -9,6 +9,7 @@ const std::vector<JournalEventInfo>& journalEventInfos() {
   static const std::vector<JournalEventInfo> kInfos = {
       {Event::kDistrusted, "distrusted",
        "the scans contradicted the odometry, whose motion was not used; value: gain in score"},
+      {Event::kLeapt, "leapt", "odometry leapt as no robot drives and was not used; value: m"},
       {Event::kRematched, "rematched", "the scan fitted only after a search around its place; value: score"},
       {Event::kPoor, "poor", "the map explains less of the scan than it should; value: score"},
       {Event::kLost, "lost", "the method no longer knows where the robot is; value: score"},

@@ -12,6 +12,7 @@ namespace slam::core {
 /// (graph::GraphSlam, particles::ParticleFilter).
 enum class JournalEvent {
   kDistrusted,
+  kLeapt,
   kRematched,
   kPoor,
   kLost,

@@ -36,7 +36,7 @@ Pose2 GraphSlam::currentPose() const {
 GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previous_robot,
                                    bool has_odometry) {
   if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
-  noteScan(scan, has_odometry);
+  has_odometry = noteScan(scan, T_previous_robot, has_odometry);
   // What a doubt holds of the map would not move with it.
   if (loops_.continueClosing(doubt_.begins < 0 && held_back_ == 0)) haveMoved();
   Step step;
@@ -46,7 +46,7 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
   } else {
     std::vector<PatchPoint> points;
     Eigen::Matrix3d information;
-    const Pose2 increment = has_odometry ? path_scale_.corrected(T_previous_robot) : T_previous_robot_;
+    const Pose2 increment = has_odometry ? wheels_.corrected(T_previous_robot) : T_previous_robot_;
     const Pose2 T_before = currentPose();
     step = track(scan, increment, has_odometry, points, information);
     const Pose2 matched = core::between(T_before, step.T_map_robot);
@@ -82,7 +82,7 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   T_keyframe_robot_ = core::between(map_->pose(anchor_), T_map_robot);
   T_previous_robot_ = {};
   odometry_holds_ = false;
-  path_scale_.endPiece();
+  wheels_.endPiece();
   covariance_.setZero(), from_keyframe_.setZero();
   forgetWheels();
   lost_.restart();
@@ -154,7 +154,7 @@ void GraphSlam::finish() {
   if (first_new != map_->keyframes().end() && loops_.closeRest()) haveMoved();
   noteWhatStaysApart();
   if (options_.refine_rounds > 0) refine();
-  if (path_scale_.factor() != 1) map_->note(core::JournalEvent::kCalibrated, path_scale_.factor());
+  if (wheels_.scale().factor() != 1) map_->note(core::JournalEvent::kCalibrated, wheels_.scale().factor());
 }
 
 }  // namespace slam::graph

@@ -20,9 +20,10 @@
 #include "libslam/loops/loop_closer.h"
 #include "libslam/loops/part_finder.h"
 #include "libslam/loops/part_place.h"
-#include "libslam/odometry/path_scale.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/scanmatch/surfel_matcher.h"
+#include "libslam/wheels/leaps.h"
+#include "libslam/wheels/wheel_calibration.h"
 
 namespace slam::graph {
 
@@ -150,7 +151,7 @@ class GraphSlam {
   void retireOldest(int keyframe);
 
   // motion.cpp: what is known of a step before it is matched
-  void noteScan(const lidar::Scan& scan, bool has_odometry);
+  bool noteScan(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
   void keepScan(const lidar::Scan& scan);
   const keyframes::Seen* before() const;
   keyframes::Prediction predict(const core::Pose2& T_previous_robot, bool has_odometry) const;
@@ -181,8 +182,8 @@ class GraphSlam {
   double knownShare(const Points& points, const core::Pose2& T_map_robot) const;
   void followWheels(const core::Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained);
   void forgetWheels();
-  void learnScale(const keyframes::Expected& expected, const core::Pose2& T_map_robot,
-                  const Eigen::Matrix3d& information, const Eigen::Matrix3d& posterior_information);
+  void learnWheels(const keyframes::Expected& expected, const core::Pose2& T_map_robot,
+                   const Eigen::Matrix3d& information, const Eigen::Matrix3d& posterior_information);
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
 
   // explained.cpp: what is known of a scan, and explained
@@ -251,7 +252,8 @@ class GraphSlam {
   int anchor_ = 0;  ///< the keyframe that the robot hangs on: the last, or one of known ground
   core::Pose2 T_keyframe_robot_, T_previous_robot_;
   core::Pose2 T_keyframe_hung_, T_odometry_;  ///< when it was hung on it; by odometry since then
-  odometry::PathScale path_scale_;
+  wheels::WheelCalibration wheels_;
+  wheels::Leaps leaps_;
   bool odometry_holds_ = true;    ///< since then
   bool is_known_ground_ = false;  ///< under the scan at hand
   ChangeMarks appeared_, gone_;

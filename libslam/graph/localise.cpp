@@ -30,8 +30,8 @@ GraphSlam::Step GraphSlam::localise(const lidar::Scan& scan, const Pose2& T_prev
   completeClosing();
   std::vector<PatchPoint> points;
   Eigen::Matrix3d information;
-  noteScan(scan, has_odometry);
-  Pose2 increment = has_odometry ? path_scale_.corrected(T_previous_robot) : T_previous_robot_;
+  has_odometry = noteScan(scan, T_previous_robot, has_odometry);
+  Pose2 increment = has_odometry ? wheels_.corrected(T_previous_robot) : T_previous_robot_;
   if (is_lost_ && !has_odometry) increment = motionFromScans(scan).value_or(increment);
   const Pose2 predicted = currentPose() * increment;
   Step step;

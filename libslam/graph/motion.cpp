@@ -31,20 +31,26 @@ Pose2 goneOn(const Pose2& T, double times) {
 
 }  // namespace
 
-/// What is there to go by: the time since the scan before, and the last scan of the same lidar.
-void GraphSlam::noteScan(const lidar::Scan& scan, bool has_odometry) {
-  if (seen_.empty()) return;
+/// What is there to go by: the time since the scan before, and the last scan of the same lidar. Whether there
+/// is odometry, which is none where it leaps.
+bool GraphSlam::noteScan(const lidar::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
+  if (seen_.empty()) return has_odometry;
   const auto same = std::find_if(seen_.begin(), seen_.end(), [&](const keyframes::Seen& seen) {
     return lidar::areOfOneLidar(seen.scan, scan);
   });
   before_ = same == seen_.end() ? -1 : static_cast<int>(same - seen_.begin());
   const bool is_first = !(period_s_ > 0);
   const double since_s = scan.time_s - previous_time_s_;
+  if (has_odometry && leaps_.take(T_previous_robot, since_s)) {
+    has_odometry = false;
+    map_->note(core::JournalEvent::kLeapt, core::hypot(T_previous_robot.x, T_previous_robot.y));
+  }
   const double before_s = is_first ? scanmatch::kNominalPeriod_s : period_s_;
   period_s_ = since_s > 0 ? std::clamp(since_s, kLeastPeriod_s, kMostPeriod_s) : before_s;
   mean_period_s_ = is_first ? period_s_ : mean_period_s_ + kPeriodGain * (period_s_ - mean_period_s_);
   if (!has_odometry && !is_first && period_s_ != before_s)
     T_previous_robot_ = goneOn(T_previous_robot_, std::clamp(period_s_ / before_s, 0.2, 5.0));
+  return has_odometry;
 }
 
 /// After a scan was taken in.
@@ -79,7 +85,9 @@ keyframes::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has
   result.sigma_xy_m = root * options_.odometry_xy_m + options_.odometry_xy_per_m * core::hypot(T.x, T.y);
   result.sigma_turn_rad =
       root * options_.odometry_turn_rad + options_.odometry_turn_per_rad * std::abs(T.phi);
-  if (!has_odometry) {
+  if (has_odometry) {
+    result.sigma_turn_rad = std::max(result.sigma_turn_rad, wheels_.sigmaTurn_rad(T));
+  } else {
     result.sigma_xy_m += std::min(kUnknown_mps * period_s_, kUnknownMost);
     result.sigma_turn_rad += std::min(kUnknown_radps * period_s_, kUnknownMost);
   }

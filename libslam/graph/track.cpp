@@ -121,7 +121,10 @@ keyframes::Start GraphSlam::bestStart(const lidar::Scan& scan, const std::vector
   consider(e.T_before * T_previous_robot_);
   consider(e.backwards);
   if (by_wheels_) consider(e.by_wheels);
-  for (const double turn : kStartTurns_rad) consider({e.predicted.x, e.predicted.y, e.predicted.phi + turn});
+  for (const double turn : kStartTurns_rad) {
+    consider({e.predicted.x, e.predicted.y, e.predicted.phi + turn});
+    if (by_wheels_) consider({e.by_wheels.x, e.by_wheels.y, e.by_wheels.phi + turn});
+  }
   const bool from_scans = !e.has_odometry || best.gain > options_.distrust_gain;
   const auto motion = from_scans ? motionFromScans(scan) : std::nullopt;
   if (motion) consider(e.T_before * *motion);
@@ -249,9 +252,9 @@ GraphSlam::Step GraphSlam::track(const lidar::Scan& scan, const Pose2& T_previou
   noteEvidence(points, T, maps_.fine);
   information = keyframes::toldInformation(evidence_);
   if (has_odometry && !distrusted && !is_poor && !by_wheels_ && doubt_.begins < 0 && held_back_ == 0)
-    learnScale(e, T, information, result.posterior_information);
+    learnWheels(e, T, information, result.posterior_information);
   else
-    path_scale_.endPiece();
+    wheels_.endPiece();
   estimateCovariance(e, result);
   step.drift_covariance = driftSinceKeyframe();
   step.pose_covariance = covariance_;
@@ -282,15 +285,16 @@ void GraphSlam::forgetWheels() {
   by_wheels_.reset();
 }
 
-/// How far the robot went beside how far odometry says.
-void GraphSlam::learnScale(const keyframes::Expected& e, const Pose2& T, const Eigen::Matrix3d& information,
-                           const Eigen::Matrix3d& posterior_information) {
+/// How far the robot went and turned beside what odometry says.
+void GraphSlam::learnWheels(const keyframes::Expected& e, const Pose2& T, const Eigen::Matrix3d& information,
+                            const Eigen::Matrix3d& posterior_information) {
   const Pose2& step = e.step.T_previous_robot;
   const auto [s, c] = core::sinCos(e.T_before.phi);
   const Eigen::Vector3d way(c * step.x - s * step.y, s * step.x + c * step.y, 0);
-  const double told = way.dot(posterior_information.ldlt().solve(information * way));
+  const Eigen::Matrix3d told = posterior_information.ldlt().solve(information);
   // Standing still odometry has nothing to say either.
-  path_scale_.learn(step, core::between(e.T_before, T), way.squaredNorm() > 0 ? told / way.squaredNorm() : 1);
+  const double way_told = way.squaredNorm() > 0 ? way.dot(told * way) / way.squaredNorm() : 1;
+  wheels_.learn(step, core::between(e.T_before, T), way_told, told(2, 2));
 }
 
 /// Puts odometry's word in place of a match.
@@ -301,7 +305,7 @@ void GraphSlam::keepTo(const Pose2& predicted, const Pose2& increment, Step& ste
   step.drift_covariance += drift;
   step.pose_covariance += drift;
   T_previous_robot_ = increment;
-  path_scale_.endPiece();
+  wheels_.endPiece();
   T_keyframe_robot_ = core::between(map_->pose(anchor_), predicted);
 }
 

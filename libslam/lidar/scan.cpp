@@ -1,6 +1,15 @@
 #include "libslam/lidar/scan.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace slam::lidar {
+namespace {
+
+/// Mountings that logs repeat with every scan differ by their digits.
+constexpr double kSamePlace_m = 1e-3, kSameHeading_rad = 1e-3;
+
+}  // namespace
 
 std::vector<core::Point2> scanPoints(const Scan& scan) {
   std::vector<core::Point2> points;
@@ -15,7 +24,8 @@ std::vector<core::Point2> scanPoints(const Scan& scan) {
 
 bool areOfOneLidar(const Scan& scan_a, const Scan& scan_b) {
   const core::Pose2 &a = scan_a.T_robot_lidar, &b = scan_b.T_robot_lidar;
-  return a.x == b.x && a.y == b.y && a.phi == b.phi;
+  return core::distance(a, b) < kSamePlace_m &&
+         std::abs(core::angleDifference(a.phi, b.phi)) < std::max(kSameHeading_rad, scan_a.step_rad);
 }
 
 }  // namespace slam::lidar

@@ -37,7 +37,9 @@ struct Scan {
   }
 };
 
-/// Whether two scans come from one lidar of the robot: each is known by its mounting.
+/// Whether two scans come from one lidar of the robot: each is known by its mounting, to a millimetre and a
+/// step between beams. A lidar that gives 180 and 181 beams by turns heads half a step aside at times, as its
+/// beams are counted from the middle.
 bool areOfOneLidar(const Scan& a, const Scan& b);
 
 /// The points of all returns, in the robot frame, in beam order.

@@ -54,7 +54,7 @@ class CorrelationOdometry : public ScanOdometry {
                      [](const PlanarFit& a, const PlanarFit& b) { return a.cost < b.cost; });
     const PlanarFit fit = fineFit(before, after, fits[0].T_reference_moving);
     if (!believable(fit)) return unknownMotion(options_);
-    ScanMotion motion = robotMotion(after.scan.T_robot_lidar, fit.T_reference_moving, fit.covariance);
+    ScanMotion motion = robotMotion(before.scan, after.scan, fit.T_reference_moving, fit.covariance);
     motion.reliable = !ambiguous(fits) && !fit.degenerate && isMeasurement(fit.covariance);
     return motion;
   }

@@ -12,9 +12,10 @@ std::unique_ptr<ScanOdometry> makePlicpOdometry(const ScanOdometryOptions& optio
 /// ContractError unless the scan has at least 2 beams and a finite, positive step.
 void requireUsable(const lidar::Scan& scan);
 
-/// The motion of the robot from that of the lidar on it, T_robot_lidar * T_lidar * T_robot_lidar^-1, with the
-/// covariance (row-major over x, y, phi, as in ScanMotion) to first order, and the ideal readings.
-ScanMotion robotMotion(const core::Pose2& T_robot_lidar, const core::Pose2& T_lidar,
+/// The motion of the robot between two scans of one lidar (lidar::areOfOneLidar) from that of the lidar: each
+/// scan's mounting counts. With the covariance (row-major over x, y, phi, as in ScanMotion) to first order,
+/// and the ideal readings.
+ScanMotion robotMotion(const lidar::Scan& before, const lidar::Scan& after, const core::Pose2& T_lidar,
                        const std::array<double, 9>& lidar_covariance);
 /// False where a standard deviation is so large (0.1 m in the worst direction, 0.05 rad) that the motion is a
 /// guess.

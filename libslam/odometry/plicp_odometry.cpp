@@ -56,7 +56,7 @@ class PlicpOdometry : public ScanOdometry {
       return unknownMotion(options_);
     }
     T_step_ = fit.T_reference_moving;
-    ScanMotion motion = robotMotion(after.scan.T_robot_lidar, fit.T_reference_moving, fit.covariance);
+    ScanMotion motion = robotMotion(before.scan, after.scan, fit.T_reference_moving, fit.covariance);
     motion.reliable = !fit.degenerate && isMeasurement(fit.covariance);
     return motion;
   }

@@ -252,7 +252,7 @@ class RangeFlowOdometry : public ScanOdometry {
     after.T_reference_frame = flow.T_reference_moving;
     after.covariance = flow.covariance;
     T_step_ = core::between(previous_->T_reference_frame, after.T_reference_frame);
-    ScanMotion motion = robotMotion(after.scan.T_robot_lidar, T_step_, stepCovariance(after));
+    ScanMotion motion = robotMotion(previous_->scan, after.scan, T_step_, stepCovariance(after));
     motion.reliable = !flow.degenerate && flow.cost < 2 * kConvincingCost && isMeasurement(flow.covariance);
     return motion;
   }

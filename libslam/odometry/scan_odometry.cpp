@@ -45,10 +45,11 @@ void requireUsable(const lidar::Scan& scan) {
     throw core::ContractError("scan odometry needs scans of at least 2 beams with a positive step");
 }
 
-ScanMotion robotMotion(const core::Pose2& mount, const core::Pose2& T_lidar,
+ScanMotion robotMotion(const lidar::Scan& before, const lidar::Scan& after, const core::Pose2& T_lidar,
                        const std::array<double, 9>& lidar) {
+  const core::Pose2& mount = before.T_robot_lidar;
   ScanMotion motion;
-  motion.T_previous_current = mount * T_lidar * core::inverse(mount);
+  motion.T_previous_current = mount * T_lidar * core::inverse(after.T_robot_lidar);
   // t_robot = l + R(mount) t_lidar - R(phi) l: its derivative by t_lidar is R(mount), by phi -R'(phi) l.
   const auto [sm, cm] = core::sinCos(mount.phi);
   const auto [s, c] = core::sinCos(T_lidar.phi);

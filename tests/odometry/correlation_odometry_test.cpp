@@ -50,6 +50,25 @@ TEST_P(EveryLidar, FindsStepsAndTurnsOfTheUsualSize) {
   }
 }
 
+// A lidar that gives a beam more at times heads half a step aside then: its beams are counted from the
+// middle.
+TEST(CorrelationOdometry, TheMountingOfEachScanCounts) {
+  Lidar lidar;
+  lidar.beams = 181, lidar.fov_rad = kPi;
+  const Pose2 start{0.3, 0.4, degToRad(25)}, step{0.2, 0.03, degToRad(7)};
+  auto before = look(oddRoom(), start, lidar), after = look(oddRoom(), start * step, lidar);
+  const double half_step = before.step_rad / 2;
+  before.ranges_m.pop_back();
+  before.T_robot_lidar.phi -= half_step, before.first_angle_rad += half_step;
+  EXPECT_TRUE(lidar::areOfOneLidar(before, after));
+  for (const char* method : {"correlation", "plicp", "range_flow"}) {
+    EXPECT_NEAR(between(method, before, after).T_previous_current.phi, step.phi, half_step / 4) << method;
+    EXPECT_NEAR(between(method, after, before).T_previous_current.phi, -step.phi, half_step / 4) << method;
+  }
+  before.T_robot_lidar.phi += kPi;
+  EXPECT_FALSE(lidar::areOfOneLidar(before, after)) << "one looks back";
+}
+
 TEST_P(EveryLidar, MirroredScansGiveTheMirroredMotion) {
   const Pose2 start{0.3, 0.4, degToRad(25)}, step{0.2, 0.03, degToRad(7)};
   auto before = look(oddRoom(), start, lidar()), after = look(oddRoom(), start * step, lidar());

@@ -1,10 +1,10 @@
-#include "libslam/odometry/path_scale.h"
+#include "libslam/wheels/path_scale.h"
 
 #include <algorithm>
 
 #include "libslam/core/elementary.h"
 
-namespace slam::odometry {
+namespace slam::wheels {
 namespace {
 
 /// Wheels measure within this share of the true way, for a start; more than the second is no matter of scale.
@@ -51,4 +51,4 @@ void PathScale::learn(const core::Pose2& T_corrected, const core::Pose2& T_match
   endPiece();
 }
 
-}  // namespace slam::odometry
+}  // namespace slam::wheels

@@ -1,11 +1,11 @@
 #pragma once
 #include "libslam/core/pose2.h"
 
-namespace slam::odometry {
+namespace slam::wheels {
 
 /// How long a metre of the wheels is, learnt while the robot drives: worn tyres and wrong radii make every
 /// step longer or shorter by the same share, which adds up where scans do not tell the way, along a bare
-/// corridor. Rotation is left as it is: any wall corrects it.
+/// corridor. Rotation is WheelHeading's.
 ///
 /// The ratio of the sums of the ways over pieces of half a metre, as matched and by the wheels, of the last
 /// metres more than of those before. It is the best linear estimate where noise grows with the way, and
@@ -32,4 +32,4 @@ class PathScale {
   double pieces_ = 0, way_m_ = 0, excess_m_ = 0, squared_m_ = 0;  ///< sums over the pieces, fading
 };
 
-}  // namespace slam::odometry
+}  // namespace slam::wheels

@@ -1,4 +1,4 @@
-#include "libslam/odometry/path_scale.h"
+#include "libslam/wheels/path_scale.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "libslam/core/random.h"
 
-namespace slam::odometry {
+namespace slam::wheels {
 namespace {
 
 /// Wheels that report a true step times `scale`, with noise of so much on a metre, in steps of step_m.
@@ -88,4 +88,4 @@ TEST(PathScale, FollowsAChangeOfLoadAndStaysWithinReason) {
 }
 
 }  // namespace
-}  // namespace slam::odometry
+}  // namespace slam::wheels

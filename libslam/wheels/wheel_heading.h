@@ -1,0 +1,55 @@
+#pragma once
+#include "libslam/core/pose2.h"
+
+namespace slam::wheels {
+
+/// How wheels turn where the robot does not, and how far they are to be believed, learnt while it drives:
+/// wheels of unequal radius turn by so much per metre, a wrong base length makes every turn longer by the
+/// same share. It adds up between two scans a metre or more apart, and whatever scans tell nothing of.
+///
+/// A line through pieces of about half a metre or half a radian, turn as matched minus turn of the wheels
+/// over way and turn, of the last metres more than of those before. What was assumed before counts by the
+/// noise that the pieces show, those that mostly drive and those that mostly turn; pieces far off count less.
+/// Simultaneous calibration and localisation as by Roy and Thrun, ICRA 1999, with the noise estimated; the
+/// two parameters are the systematic errors of Borenstein and Feng, IEEE Transactions on Robotics and
+/// Automation 12(6), 1996.
+class WheelHeading {
+ public:
+  /// A step of the wheels (m, rad; in the robot's frame before it), its turn and direction set right.
+  core::Pose2 corrected(const core::Pose2& T_wheels) const;
+  /// A step: by corrected(), and as it was matched to a map; both in the robot's frame before it. `told`: of
+  /// what holds the match's heading, the scan's share, in [0, 1]; the rest is odometry's own word. Too little
+  /// ends the piece.
+  void learn(const core::Pose2& T_corrected, const core::Pose2& T_matched, double told);
+  /// Nothing is known of a step.
+  void endPiece() { piece_ = {}; }
+  /// Standard deviation of a corrected step's turn (rad), by what the pieces showed.
+  double sigma_rad(const core::Pose2& T_corrected) const;
+  /// By which the robot turns farther than its wheels say, per metre ahead (rad/m); 0 before anything is
+  /// learnt.
+  double perMetre() const { return per_metre_; }
+  /// And per radian that they say.
+  double perRadian() const { return per_radian_; }
+
+ private:
+  /// Sums along the piece at hand. `excess`: of the matched turns over the wheels'.
+  struct Piece {
+    double ahead_m = 0, way_m = 0, turn_rad = 0, turned_rad = 0, excess_rad = 0;
+  };
+  /// What pieces of one kind scatter by, per metre and radian: fading sums of weights and squares.
+  struct Scatter {
+    double pieces = 0, squared = 0, assumed = 0;
+    double variance() const;
+  };
+
+  void addPiece();
+
+  double per_metre_ = 0, per_radian_ = 0;
+  Piece piece_;
+  Scatter driving_{0, 0, 4e-4},
+      turning_{0, 0, 2.5e-3};  ///< assumed: 0.02 rad on a metre, 0.05 rad on a radian
+  /// Normal equations of the line, fading.
+  double way_way_ = 0, way_turn_ = 0, turn_turn_ = 0, way_excess_ = 0, turn_excess_ = 0;
+};
+
+}  // namespace slam::wheels
