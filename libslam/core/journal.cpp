@@ -10,6 +10,8 @@ const std::vector<JournalEventInfo>& journalEventInfos() {
       {Event::kDistrusted, "distrusted",
        "the scans contradicted the odometry, whose motion was not used; value: gain in score"},
       {Event::kLeapt, "leapt", "odometry leapt as no robot drives and was not used; value: m"},
+      {Event::kSilent, "silent",
+       "the robot moved and its wheels never did: scans alone tell of motion until they do; value: 0"},
       {Event::kRematched, "rematched", "the scan fitted only after a search around its place; value: score"},
       {Event::kPoor, "poor", "the map explains less of the scan than it should; value: score"},
       {Event::kLost, "lost", "the method no longer knows where the robot is; value: score"},

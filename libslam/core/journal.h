@@ -13,6 +13,7 @@ namespace slam::core {
 enum class JournalEvent {
   kDistrusted,
   kLeapt,
+  kSilent,
   kRematched,
   kPoor,
   kLost,

@@ -23,6 +23,7 @@
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 #include "libslam/wheels/leaps.h"
+#include "libslam/wheels/silence.h"
 #include "libslam/wheels/wheel_calibration.h"
 
 namespace slam::graph {
@@ -254,6 +255,7 @@ class GraphSlam {
   core::Pose2 T_keyframe_hung_, T_odometry_;  ///< when it was hung on it; by odometry since then
   wheels::WheelCalibration wheels_;
   wheels::Leaps leaps_;
+  wheels::Silence silence_;
   bool odometry_holds_ = true;    ///< since then
   bool is_known_ground_ = false;  ///< under the scan at hand
   ChangeMarks appeared_, gone_;

@@ -32,7 +32,7 @@ Pose2 goneOn(const Pose2& T, double times) {
 }  // namespace
 
 /// What is there to go by: the time since the scan before, and the last scan of the same lidar. Whether there
-/// is odometry, which is none where it leaps.
+/// is odometry, which is none where it leaps or says nothing.
 bool GraphSlam::noteScan(const lidar::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
   if (seen_.empty()) return has_odometry;
   const auto same = std::find_if(seen_.begin(), seen_.end(), [&](const keyframes::Seen& seen) {
@@ -45,6 +45,7 @@ bool GraphSlam::noteScan(const lidar::Scan& scan, const Pose2& T_previous_robot,
     has_odometry = false;
     map_->note(core::JournalEvent::kLeapt, core::hypot(T_previous_robot.x, T_previous_robot.y));
   }
+  if (has_odometry && silence_.take(T_previous_robot)) has_odometry = false;
   const double before_s = is_first ? scanmatch::kNominalPeriod_s : period_s_;
   period_s_ = since_s > 0 ? std::clamp(since_s, kLeastPeriod_s, kMostPeriod_s) : before_s;
   mean_period_s_ = is_first ? period_s_ : mean_period_s_ + kPeriodGain * (period_s_ - mean_period_s_);
@@ -55,6 +56,7 @@ bool GraphSlam::noteScan(const lidar::Scan& scan, const Pose2& T_previous_robot,
 
 /// After a scan was taken in.
 void GraphSlam::keepScan(const lidar::Scan& scan) {
+  if (silence_.note(T_previous_robot_)) map_->note(core::JournalEvent::kSilent, 0);
   for (auto& seen : seen_) seen.T_seen_robot = seen.T_seen_robot * T_previous_robot_;
   if (before_ < 0) {
     before_ = static_cast<int>(seen_.size());

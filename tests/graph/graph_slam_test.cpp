@@ -100,6 +100,16 @@ TEST(GraphSlam, OdometryThatLeapsIsNone) {
             2);
 }
 
+// Logs without odometry are often full of zeros.
+TEST(GraphSlam, WheelsThatNeverTurnAreNoOdometry) {
+  auto log = everyNth(drive(ring(), lapsAround(1), {}, 0), 4);
+  for (core::Pose2& increment : log.increments) increment = {};
+  const auto with_zeros = run(log), without = run(log, false);
+  EXPECT_LT(worstError(with_zeros.poses(), log.truth), 0.15);
+  EXPECT_EQ(worstError(with_zeros.poses(), without.poses()), 0);
+  EXPECT_EQ(eventsOf(with_zeros).count("silent"), 1U);
+}
+
 TEST(GraphSlam, LetsGoOfOdometryThatJumpsAndSaysSo) {
   auto log = drive(ring(), lapsAround(1), {}, 0);
   log.increments[60] = {2, -1, 0.4};
