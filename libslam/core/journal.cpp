@@ -33,7 +33,8 @@ const std::vector<JournalEventInfo>& journalEventInfos() {
        "a loop closure that the path between rules out; value: its innovation, squared, in standard "
        "deviations"},
       {Event::kOptimised, "optimised", "all poses were refined jointly; value: chi2"},
-      {Event::kCalibrated, "calibrated", "how long a metre of odometry is, by the scans; value: metres"},
+      {Event::kCalibrated, "calibrated",
+       "how long a metre of odometry is, by the scans, and what its turns are off by; value: metres"},
       {Event::kResampled, "resampled",
        "likely particles took the place of unlikely ones; value: effective share of the particles"},
       {Event::kFailed, "failed", "the method failed, and the run ended; value: the scan not taken in"},

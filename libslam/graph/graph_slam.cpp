@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "libslam/core/elementary.h"
@@ -31,6 +32,17 @@ GraphSlam::GraphSlam(const keyframes::GraphOptions& options)
 
 Pose2 GraphSlam::currentPose() const {
   return map_->pose(anchor_) * T_keyframe_robot_;
+}
+
+/// What was learnt of the wheels.
+void GraphSlam::noteWheels() {
+  const double factor = wheels_.scale().factor();
+  if (factor == 1) return;
+  char turns[100];
+  std::snprintf(turns, sizeof turns,
+                "turns by %.2f deg more per metre and by %.1f %% more than odometry says",
+                core::radToDeg(wheels_.heading().perMetre()), 100 * wheels_.heading().perRadian());
+  map_->note(core::JournalEvent::kCalibrated, factor, -1, turns);
 }
 
 GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previous_robot,
@@ -154,7 +166,7 @@ void GraphSlam::finish() {
   if (first_new != map_->keyframes().end() && loops_.closeRest()) haveMoved();
   noteWhatStaysApart();
   if (options_.refine_rounds > 0) refine();
-  if (wheels_.scale().factor() != 1) map_->note(core::JournalEvent::kCalibrated, wheels_.scale().factor());
+  noteWheels();
 }
 
 }  // namespace slam::graph

@@ -183,6 +183,7 @@ class GraphSlam {
   double knownShare(const Points& points, const core::Pose2& T_map_robot) const;
   void followWheels(const core::Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained);
   void forgetWheels();
+  void noteWheels();
   void learnWheels(const keyframes::Expected& expected, const core::Pose2& T_map_robot,
                    const Eigen::Matrix3d& information, const Eigen::Matrix3d& posterior_information);
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
