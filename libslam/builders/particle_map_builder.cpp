@@ -146,9 +146,7 @@ void ParticleMapBuilder::processActionObservation(mrpt::obs::CActionCollection& 
   up_to_date_ = false;
   auto frame = mrpt::obs::CSensoryFrame::Create();
   for (const auto& observation : scans) frame->insert(observation);
-  key_frames_.push_back({filter_->scans() - 1, frame, {gridmap::scanRays(scan, filter_->rays())}});
-  for (const auto& other : others)
-    key_frames_.back().rays.push_back(gridmap::scanRays(other, filter_->rays()));
+  key_frames_.push_back({filter_->scans() - 1, frame, filter_->rays().max_range_m});
 }
 
 void ParticleMapBuilder::finish() {
@@ -184,7 +182,10 @@ void ParticleMapBuilder::drawMap() const {
   while (drawn_poses_.size() < key_frames_.size()) {
     const KeyFrame& key_frame = key_frames_[drawn_poses_.size()];
     drawn_poses_.push_back(path[key_frame.scan].pose);
-    for (const auto& rays : key_frame.rays) drawn_.insert(rays, drawn_poses_.back());
+    gridmap::RayOptions rays = filter_->rays();
+    rays.max_range_m = key_frame.max_range_m;
+    for (const auto& scan : scansOf(*key_frame.frame))
+      drawn_.insert(gridmap::scanRays(lidar::fromMrpt(*scan), rays), drawn_poses_.back());
   }
   publish(drawn_.toRaster(), *published_);
   up_to_date_ = true;

@@ -50,7 +50,7 @@ class ParticleMapBuilder : public mrpt::slam::CMetricMapBuilder {
   struct KeyFrame {
     std::uint64_t scan;  ///< index into the path
     mrpt::obs::CSensoryFrame::Ptr frame;
-    std::vector<gridmap::ScanRays> rays;  ///< one for each lidar
+    double max_range_m;  ///< up to which it entered the particles' maps
   };
   void drawMap() const;
 

@@ -1,7 +1,6 @@
 #include "libslam/gridmap/grid.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <tuple>
 
@@ -13,7 +12,7 @@ namespace slam::gridmap {
 namespace {
 
 int logOdds(double probability) {
-  return static_cast<int>(std::lround(Cell::kLogOddsPerNat * core::log(probability / (1 - probability))));
+  return static_cast<int>(std::lround(SeenCell::kLogOddsPerNat * core::log(probability / (1 - probability))));
 }
 
 void require(bool condition, const char* what) {
@@ -21,7 +20,7 @@ void require(bool condition, const char* what) {
 }
 
 std::int16_t toShift(double cells) {
-  return static_cast<std::int16_t>(std::lround(cells * Cell::kShiftsPerCell));
+  return static_cast<std::int16_t>(std::lround(cells * FieldCell::kShiftsPerCell));
 }
 
 /// Of the same cell: whether the offset a is nearer than b, or equally near and first in order.
@@ -34,7 +33,7 @@ int cellOf(double cells) {
   return static_cast<int>(std::floor(cells));
 }
 
-constexpr int kShiftUnit = static_cast<int>(Cell::kShiftsPerCell);
+constexpr int kShiftUnit = static_cast<int>(FieldCell::kShiftsPerCell);
 
 }  // namespace
 
@@ -77,7 +76,7 @@ void Grid::coverTiles(int x_min, int y_min, int x_max, int y_max) {
     tx1 = std::max(tx1, tile_x_min_ + tile_columns_ - 1), ty1 = std::max(ty1, tile_y_min_ + tile_rows_ - 1);
   }
   const int columns = tx1 - tx0 + 1, rows = ty1 - ty0 + 1;
-  std::vector<std::shared_ptr<Tile>> tiles(static_cast<size_t>(columns) * static_cast<size_t>(rows));
+  std::vector<Tile> tiles(static_cast<size_t>(columns) * static_cast<size_t>(rows));
   for (int row = 0; row < tile_rows_; ++row)
     for (int column = 0; column < tile_columns_; ++column)
       tiles[static_cast<size_t>(row + tile_y_min_ - ty0) * static_cast<size_t>(columns) +
@@ -88,23 +87,19 @@ void Grid::coverTiles(int x_min, int y_min, int x_max, int y_max) {
   tile_x_min_ = tx0, tile_y_min_ = ty0, tile_columns_ = columns, tile_rows_ = rows;
 }
 
-Grid::Tile& Grid::ownTile(int tile_x, int tile_y) {
-  auto& tile = tiles_[static_cast<size_t>(tile_y - tile_y_min_) * static_cast<size_t>(tile_columns_) +
-                      static_cast<size_t>(tile_x - tile_x_min_)];
-  if (!tile) {
-    tile = std::make_shared<Tile>();
-  } else if (tile.use_count() > 1) {
-    tile = std::make_shared<Tile>(*tile);
-  } else {
-    // use_count() is a relaxed read: what another thread read before it let go has to be over.
-    std::atomic_thread_fence(std::memory_order_acquire);
-  }
-  return *tile;
+SeenCell& Grid::ownSeen(int x, int y) {
+  return tileFor(x >> kTileBits, y >> kTileBits).seen.own()[indexInTile(x, y)];
 }
 
-Cell& Grid::own(int x, int y) {
-  return ownTile(x >> kTileBits, y >> kTileBits)
-      .cells[static_cast<size_t>(((y & kTileMask) << kTileBits) | (x & kTileMask))];
+FieldCell& Grid::ownField(int x, int y) {
+  return tileFor(x >> kTileBits, y >> kTileBits).field.own()[indexInTile(x, y)];
+}
+
+std::optional<Cell> Grid::at(int x, int y) const {
+  const SeenCell* seen = seenAt(x, y);
+  const FieldCell* field = fieldAt(x, y);
+  if (!seen && !field) return std::nullopt;
+  return Cell{seen ? *seen : SeenCell{}, field ? *field : FieldCell{}};
 }
 
 /// Calls change(cell, offset to the centre) for the cells of the disc; change returns what the cell becomes,
@@ -114,8 +109,9 @@ void Grid::forDisc(const Spot& centre, const Change& change) {
   const int reach = options_.reach_cells;
   for (int tile_y = (centre.y - reach) >> kTileBits; tile_y <= (centre.y + reach) >> kTileBits; ++tile_y)
     for (int tile_x = (centre.x - reach) >> kTileBits; tile_x <= (centre.x + reach) >> kTileBits; ++tile_x) {
-      Tile* own = nullptr;
-      const Tile* tile = tileAt(tile_x, tile_y);
+      Tile& tile = tileFor(tile_x, tile_y);
+      FieldLayer* own = nullptr;
+      const FieldLayer* layer = tile.field ? &*tile.field : nullptr;
       const int x_begin = tile_x * kTileSide, y_begin = tile_y * kTileSide;
       const int y_first = std::max(centre.y - reach, y_begin);
       const int y_last = std::min(centre.y + reach, y_begin + kTileMask);
@@ -124,11 +120,11 @@ void Grid::forDisc(const Spot& centre, const Change& change) {
         const int x_first = std::max(centre.x - half_width, x_begin);
         const int x_last = std::min(centre.x + half_width, x_begin + kTileMask);
         for (int x = x_first; x <= x_last; ++x) {
-          const auto index = static_cast<size_t>(((y & kTileMask) << kTileBits) | (x & kTileMask));
-          Cell cell = tile ? tile->cells[index] : Cell{};
+          const size_t index = indexInTile(x, y);
+          FieldCell cell = layer ? (*layer)[index] : FieldCell{};
           if (!change(cell, centre.x - x, centre.y - y)) continue;
-          if (!own) tile = own = &ownTile(tile_x, tile_y);
-          own->cells[index] = cell;
+          if (!own) layer = own = &tile.field.own();
+          (*own)[index] = cell;
         }
       }
     }
@@ -136,8 +132,8 @@ void Grid::forDisc(const Spot& centre, const Change& change) {
 
 /// Tells the cells around an occupied one where its surface is.
 void Grid::spreadFrom(const Spot& surface) {
-  const Cell source = *at(surface.x, surface.y);
-  forDisc(surface, [&source](Cell& cell, int dx, int dy) {
+  const FieldCell source = *fieldAt(surface.x, surface.y);
+  forDisc(surface, [&source](FieldCell& cell, int dx, int dy) {
     if (cell.nearSurface() && (cell.to_x != dx || cell.to_y != dy) && !nearer(dx, dy, cell.to_x, cell.to_y))
       return false;
     cell.to_x = static_cast<std::int8_t>(dx), cell.to_y = static_cast<std::int8_t>(dy);
@@ -149,20 +145,20 @@ void Grid::spreadFrom(const Spot& surface) {
 
 /// Cuts the cells around a surface that is gone loose from it.
 void Grid::forget(const Spot& surface, std::vector<Spot>& orphans) {
-  forDisc(surface, [&](Cell& cell, int dx, int dy) {
+  forDisc(surface, [&](FieldCell& cell, int dx, int dy) {
     if (cell.to_x != dx || cell.to_y != dy) return false;
     orphans.push_back({surface.x - dx, surface.y - dy});
-    cell.to_x = Cell::kNowhere, cell.to_y = 0, cell.shift_x = 0, cell.shift_y = 0;
+    cell.to_x = FieldCell::kNowhere, cell.to_y = 0, cell.shift_x = 0, cell.shift_y = 0;
     return true;
   });
 }
 
 void Grid::findNearest(const Spot& spot) {
   for (const Offset& offset : *disc_) {
-    const Cell* other = at(spot.x + offset.x, spot.y + offset.y);
+    const SeenCell* other = seenAt(spot.x + offset.x, spot.y + offset.y);
     if (!other || !other->occupied()) continue;
-    const Cell source = *other;
-    Cell& cell = own(spot.x, spot.y);
+    const FieldCell source = *fieldAt(spot.x + offset.x, spot.y + offset.y);
+    FieldCell& cell = ownField(spot.x, spot.y);
     cell.to_x = offset.x, cell.to_y = offset.y;
     cell.shift_x = static_cast<std::int16_t>(source.shift_x + offset.x * kShiftUnit);
     cell.shift_y = static_cast<std::int16_t>(source.shift_y + offset.y * kShiftUnit);
@@ -200,18 +196,20 @@ std::vector<Grid::Spot> Grid::pass(const CrossedCells& crossed, const CrossedCel
   std::vector<Spot> gone;
   for (int tile_y = crossed.tileRowMin(); tile_y <= crossed.tileRowMax(); ++tile_y)
     for (int tile_x = crossed.tileColumnMin(); tile_x <= crossed.tileColumnMax(); ++tile_x) {
-      const Tile* tile = tileAt(tile_x, tile_y);
-      bool own = false;
+      Tile& tile = tileFor(tile_x, tile_y);
+      SeenLayer* own = nullptr;
+      const SeenLayer* layer = tile.seen ? &*tile.seen : nullptr;
       for (int row = 0; row < kTileSide; ++row) {
         const int y = tile_y * kTileSide + row;
         for (std::uint32_t bits = crossed.word(tile_x, y) & ~hit.word(tile_x, y); bits; bits &= bits - 1) {
           const int column = __builtin_ctz(bits);
           const auto index = static_cast<size_t>((row << kTileBits) | column);
-          const int before = tile && tile->cells[index].seen() ? tile->cells[index].log_odds : 0;
+          const SeenCell cell = layer ? (*layer)[index] : SeenCell{};
+          const int before = cell.seen() ? cell.log_odds : 0;
           const int after = std::max(least_, before - pass_);
-          if (tile && tile->cells[index].seen() && after == before) continue;
-          if (!own) tile = &ownTile(tile_x, tile_y), own = true;
-          const_cast<Tile*>(tile)->cells[index].log_odds = static_cast<std::int8_t>(after);
+          if (cell.seen() && after == before) continue;
+          if (!own) layer = own = &tile.seen.own();
+          (*own)[index].log_odds = static_cast<std::int8_t>(after);
           if (before > 0 && after <= 0) gone.push_back({tile_x * kTileSide + column, y});
         }
       }
@@ -222,24 +220,24 @@ std::vector<Grid::Spot> Grid::pass(const CrossedCells& crossed, const CrossedCel
 /// A ray's return into its cell. is_first: of this scan; only then the log-odds rise, whereas every return
 /// counts for the place of the surface. Whether that moved.
 bool Grid::addReturn(const Spot& spot, const core::Point2& end, bool is_first) {
-  const Cell* found = at(spot.x, spot.y);
-  const Cell before = found ? *found : Cell{};
+  const Cell before = at(spot.x, spot.y).value_or(Cell{});
   Cell after = before;
   if (is_first)
     after.log_odds = static_cast<std::int8_t>(
         std::min(most_, (before.seen() ? static_cast<int>(before.log_odds) : 0) + hit_));
-  const bool moves = after.occupied() && before.returns < Cell::kMostReturns;
+  const bool moves = after.occupied() && before.returns < SeenCell::kMostReturns;
   if (moves) {
     const double x = end.x - (spot.x + 0.5), y = end.y - (spot.y + 0.5);
     if (!before.occupied()) after.shift_x = after.shift_y = 0, after.returns = 0;
     ++after.returns;
     after.shift_x = static_cast<std::int16_t>(
-        after.shift_x + toShift((x - after.shift_x / Cell::kShiftsPerCell) / after.returns));
+        after.shift_x + toShift((x - after.shift_x / FieldCell::kShiftsPerCell) / after.returns));
     after.shift_y = static_cast<std::int16_t>(
-        after.shift_y + toShift((y - after.shift_y / Cell::kShiftsPerCell) / after.returns));
+        after.shift_y + toShift((y - after.shift_y / FieldCell::kShiftsPerCell) / after.returns));
     after.to_x = after.to_y = 0;
   }
-  if (after.log_odds != before.log_odds || after.returns != before.returns) own(spot.x, spot.y) = after;
+  if (after.log_odds != before.log_odds || after.returns != before.returns) ownSeen(spot.x, spot.y) = after;
+  if (moves) ownField(spot.x, spot.y) = after;
   return moves;
 }
 
@@ -280,26 +278,27 @@ void Grid::insert(const ScanRays& rays, const core::Pose2& T_map_robot) {
   std::vector<Spot> orphans;
   for (const Spot& spot : pass(crossed, hit)) {
     forget(spot, orphans);
-    own(spot.x, spot.y).returns = 0;
+    ownSeen(spot.x, spot.y).returns = 0;
   }
   for (const Spot& spot : addReturns(rays, beams, hit)) spreadFrom(spot);
   for (const Spot& spot : orphans) findNearest(spot);
 }
 
 double Grid::probability(int x, int y) const {
-  const Cell* cell = at(x, y);
+  const SeenCell* cell = seenAt(x, y);
   if (!cell || !cell->seen()) return 0.5;
-  return 1 / (1 + core::exp(-cell->log_odds / Cell::kLogOddsPerNat));
+  return 1 / (1 + core::exp(-cell->log_odds / SeenCell::kLogOddsPerNat));
 }
 
 size_t Grid::tiles() const {
   return static_cast<size_t>(
-      std::count_if(tiles_.begin(), tiles_.end(), [](const auto& tile) { return tile != nullptr; }));
+      std::count_if(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return !tile.empty(); }));
 }
 
 size_t Grid::ownTiles() const {
-  return static_cast<size_t>(std::count_if(tiles_.begin(), tiles_.end(),
-                                           [](const auto& tile) { return tile && tile.use_count() == 1; }));
+  return static_cast<size_t>(std::count_if(tiles_.begin(), tiles_.end(), [](const Tile& tile) {
+    return tile.seen.isOwn() || tile.field.isOwn();
+  }));
 }
 
 GridArea Grid::area() const {
@@ -308,9 +307,11 @@ GridArea Grid::area() const {
           (tile_y_min_ + tile_rows_) * tile_m};
 }
 
-void Grid::appendTiles(std::vector<const void*>& identities) const {
-  for (const auto& tile : tiles_)
-    if (tile) identities.push_back(tile.get());
+void Grid::appendParts(std::vector<std::pair<const void*, size_t>>& parts) const {
+  for (const Tile& tile : tiles_) {
+    if (tile.seen) parts.emplace_back(tile.seen.identity(), sizeof(SeenLayer));
+    if (tile.field) parts.emplace_back(tile.field.identity(), sizeof(FieldLayer));
+  }
 }
 
 OccupancyRaster Grid::toRaster() const {
@@ -318,9 +319,9 @@ OccupancyRaster Grid::toRaster() const {
   for (int row = 0; row < tile_rows_; ++row)
     for (int column = 0; column < tile_columns_; ++column) {
       const Tile* tile = tileAt(tile_x_min_ + column, tile_y_min_ + row);
-      if (!tile) continue;
+      if (!tile->seen) continue;
       for (int i = 0; i < kTileSide * kTileSide; ++i) {
-        if (!tile->cells[static_cast<size_t>(i)].seen()) continue;
+        if (!(*tile->seen)[static_cast<size_t>(i)].seen()) continue;
         const int x = (tile_x_min_ + column) * kTileSide + (i & kTileMask);
         const int y = (tile_y_min_ + row) * kTileSide + (i >> kTileBits);
         x_min = std::min(x_min, x), x_max = std::max(x_max, x);
@@ -353,10 +354,12 @@ Grid Grid::fromRaster(const OccupancyRaster& raster, const GridOptions& options)
       const float occupancy = raster.at(column, row);
       if (occupancy == 0.5F) continue;
       const double bounded = std::clamp(static_cast<double>(occupancy), 1e-3, 1 - 1e-3);
-      Cell& cell = grid.own(x_min + column, y_min + row);
+      SeenCell& cell = grid.ownSeen(x_min + column, y_min + row);
       cell.log_odds = static_cast<std::int8_t>(std::clamp(logOdds(bounded), grid.least_, grid.most_));
       if (!cell.occupied()) continue;
-      cell.to_x = cell.to_y = 0, cell.returns = 1;
+      cell.returns = 1;
+      FieldCell& field = grid.ownField(x_min + column, y_min + row);
+      field.to_x = field.to_y = 0;
       surfaces.push_back({x_min + column, y_min + row});
     }
   for (const Spot& surface : surfaces) grid.spreadFrom(surface);

@@ -2,11 +2,14 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "libslam/core/pose2.h"
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/gridmap/scan_rays.h"
+#include "libslam/gridmap/shared_part.h"
 
 namespace slam::gridmap {
 
@@ -21,24 +24,33 @@ struct GridOptions {
   int reach_cells = 8;  ///< the field knows surfaces up to this distance; 1 to 16
 };
 
-/// One cell of a Grid, 8 bytes.
-struct Cell {
-  static constexpr std::int8_t kUnseen = -128;    ///< log_odds where no beam was
+/// What a Grid's field says in a cell, 6 bytes.
+struct FieldCell {
   static constexpr std::int8_t kNowhere = -128;   ///< to_x where no surface is within reach
-  static constexpr double kLogOddsPerNat = 20;    ///< unit of log_odds
   static constexpr double kShiftsPerCell = 1024;  ///< unit of shift_x, shift_y
-  static constexpr int kMostReturns = 16;
 
-  std::int8_t log_odds = kUnseen;
-  std::uint8_t returns = 0;               ///< in the mean of an occupied cell's returns, up to kMostReturns
   std::int8_t to_x = kNowhere, to_y = 0;  ///< from this cell to the nearest occupied one, in cells
   /// From this cell's centre to the surface in the cell at (to_x, to_y): the mean of the first returns in it.
   std::int16_t shift_x = 0, shift_y = 0;
 
-  bool seen() const { return log_odds != kUnseen; }
-  bool occupied() const { return log_odds > 0; }
   bool nearSurface() const { return to_x != kNowhere; }
 };
+
+/// How a Grid's cell was seen, 2 bytes.
+struct SeenCell {
+  static constexpr std::int8_t kUnseen = -128;  ///< log_odds where no beam was
+  static constexpr double kLogOddsPerNat = 20;  ///< unit of log_odds
+  static constexpr int kMostReturns = 16;
+
+  std::int8_t log_odds = kUnseen;
+  std::uint8_t returns = 0;  ///< in the mean of an occupied cell's returns, up to kMostReturns
+
+  bool seen() const { return log_odds != kUnseen; }
+  bool occupied() const { return log_odds > 0; }
+};
+
+/// One cell of a Grid.
+struct Cell : SeenCell, FieldCell {};
 
 /// A rectangle of the map frame.
 struct GridArea {
@@ -48,8 +60,10 @@ struct GridArea {
 /// Occupancy and distance to the nearest surface, for matching scans to it in many versions at once.
 ///
 /// Shape: cell (x, y) covers [x, x + 1) x [y, y + 1) in units of cell_m, map frame; any x and y. Cells live
-/// in tiles of 32 x 32 that appear where something is stored. Copies share their tiles, and a tile is copied
-/// when one of those that share it changes it (copy on write): a copy costs one pointer per tile.
+/// in tiles of 32 x 32 that appear where something is stored, in two layers: what was seen, and the field.
+/// Copies share the layers of their tiles, and a layer is copied when one of those that share it changes it
+/// (copy on write): a copy costs two pointers per tile. Apart, because most scans change what is seen, and
+/// few the field, which is three times as large.
 ///
 /// Occupancy: log-odds in steps of 1/20. One scan changes a cell once at most: by a hit where it has a
 /// return, else by a pass where a beam crossed it (Moravec and Elfes 1985; that a scan's hits win over its
@@ -76,40 +90,38 @@ class Grid {
 
   double cellSize() const { return options_.cell_m; }
   const GridOptions& options() const { return options_; }
-  /// nullptr where nothing was stored; then nothing was seen there and no surface is near.
-  const Cell* at(int x, int y) const {
-    const Tile* tile = tileAt(x >> kTileBits, y >> kTileBits);
-    return tile ? &tile->cells[static_cast<size_t>(((y & kTileMask) << kTileBits) | (x & kTileMask))]
-                : nullptr;
-  }
-  /// The four cells (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1); false when one of them is nullptr.
-  bool square(int x, int y, std::array<const Cell*, 4>& cells) const {
+  /// Nothing where nothing was stored; then nothing was seen there and no surface is near.
+  std::optional<Cell> at(int x, int y) const;
+  /// The field in the four cells (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1); false when one of them lies
+  /// where nothing is stored.
+  bool square(int x, int y, std::array<const FieldCell*, 4>& cells) const {
     if ((x & kTileMask) != kTileMask && (y & kTileMask) != kTileMask) {
-      cells[0] = at(x, y);
+      cells[0] = fieldAt(x, y);
       if (!cells[0]) return false;
       cells[1] = cells[0] + 1, cells[2] = cells[0] + kTileSide, cells[3] = cells[0] + kTileSide + 1;
       return true;
     }
-    cells = {at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)};
+    cells = {fieldAt(x, y), fieldAt(x + 1, y), fieldAt(x, y + 1), fieldAt(x + 1, y + 1)};
     return cells[0] && cells[1] && cells[2] && cells[3];
   }
   /// Probability of a cell being occupied, exactly 0.5 where unseen.
   double probability(int x, int y) const;
 
-  /// Tiles stored, and those of them that no other grid shares.
+  /// Tiles stored, and those of them with a layer that no other grid shares.
   size_t tiles() const;
   size_t ownTiles() const;
-  static constexpr size_t tileBytes() { return sizeof(Tile); }
   /// Where tiles may lie without the directory growing; all zero for an empty grid.
   GridArea area() const;
-  /// The directory has a pointer per tile of area(), also where nothing is stored: as much memory as a cell
+  /// Of one cell in both layers.
+  static constexpr size_t kCellBytes = sizeof(SeenCell) + sizeof(FieldCell);
+  /// The directory has an entry per tile of area(), also where nothing is stored: as much memory as a cell
   /// for so many cells of the area.
   static constexpr double cellsPerDirectoryEntry() {
-    return static_cast<double>(kTileCells * sizeof(Cell)) / sizeof(std::shared_ptr<int>);
+    return static_cast<double>(kTileCells * kCellBytes) / sizeof(Tile);
   }
   size_t directoryBytes() const { return tiles_.capacity() * sizeof(tiles_[0]); }
-  /// Appends the identity of every tile, to count those of many grids once.
-  void appendTiles(std::vector<const void*>& identities) const;
+  /// Appends the identity and the bytes of every tile's layers, to count those of many grids once.
+  void appendParts(std::vector<std::pair<const void*, size_t>>& parts) const;
 
   /// The part that was seen; without any, one unseen cell.
   OccupancyRaster toRaster() const;
@@ -120,8 +132,13 @@ class Grid {
  private:
   static constexpr int kTileBits = 5, kTileSide = 1 << kTileBits, kTileMask = kTileSide - 1;
   static constexpr size_t kTileCells = size_t{kTileSide} * kTileSide;
+  using SeenLayer = std::array<SeenCell, kTileCells>;
+  using FieldLayer = std::array<FieldCell, kTileCells>;
+  /// Either is empty where it says nothing.
   struct Tile {
-    std::array<Cell, kTileCells> cells;
+    SharedPart<SeenLayer> seen;
+    SharedPart<FieldLayer> field;
+    bool empty() const { return !seen && !field; }
   };
   struct Spot {
     int x, y;
@@ -130,17 +147,29 @@ class Grid {
     std::int8_t x, y;
   };
 
+  static size_t indexInTile(int x, int y) {
+    return static_cast<size_t>(((y & kTileMask) << kTileBits) | (x & kTileMask));
+  }
+  /// nullptr beyond the directory.
   const Tile* tileAt(int tile_x, int tile_y) const {
     const auto column = static_cast<unsigned>(tile_x - tile_x_min_),
                row = static_cast<unsigned>(tile_y - tile_y_min_);
     if (column >= static_cast<unsigned>(tile_columns_) || row >= static_cast<unsigned>(tile_rows_))
       return nullptr;
-    return tiles_[static_cast<size_t>(row) * static_cast<size_t>(tile_columns_) + column].get();
+    return &tiles_[static_cast<size_t>(row) * static_cast<size_t>(tile_columns_) + column];
+  }
+  Tile& tileFor(int tile_x, int tile_y) { return const_cast<Tile&>(*tileAt(tile_x, tile_y)); }
+  const SeenCell* seenAt(int x, int y) const {
+    const Tile* tile = tileAt(x >> kTileBits, y >> kTileBits);
+    return tile && tile->seen ? &(*tile->seen)[indexInTile(x, y)] : nullptr;
+  }
+  const FieldCell* fieldAt(int x, int y) const {
+    const Tile* tile = tileAt(x >> kTileBits, y >> kTileBits);
+    return tile && tile->field ? &(*tile->field)[indexInTile(x, y)] : nullptr;
   }
   void coverTiles(int x_min, int y_min, int x_max, int y_max);
-  /// For writing: made, or made one's own, when it has to be.
-  Tile& ownTile(int tile_x, int tile_y);
-  Cell& own(int x, int y);
+  SeenCell& ownSeen(int x, int y);
+  FieldCell& ownField(int x, int y);
   struct Beams;
   std::vector<Spot> pass(const CrossedCells& crossed, const CrossedCells& hit);
   bool addReturn(const Spot& spot, const core::Point2& end, bool is_first);
@@ -156,7 +185,7 @@ class Grid {
   std::shared_ptr<const std::vector<Offset>> disc_;  ///< by distance, then y, then x
   std::array<int, 17> half_width_{};                 ///< of the disc, at each |y|
   int tile_x_min_ = 0, tile_y_min_ = 0, tile_columns_ = 0, tile_rows_ = 0;
-  std::vector<std::shared_ptr<Tile>> tiles_;  ///< row-major
+  std::vector<Tile> tiles_;  ///< row-major
 };
 
 }  // namespace slam::gridmap

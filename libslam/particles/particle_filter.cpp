@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <string>
 
 #include "libslam/core/elementary.h"
@@ -317,7 +318,7 @@ const ParticleStep& ParticleFilter::update(const lidar::Scan& scan, const std::o
     findBest();
     T_inserted_ = particles_[best_].T_raster_robot;
     if (insertions_++ % kCountEvery == 0)
-      cells_ = static_cast<double>(distinctTiles()) * gridmap::Grid::tileBytes() / sizeof(gridmap::Cell);
+      cells_ = static_cast<double>(mapBytes()) / gridmap::Grid::kCellBytes;
     std::vector<lidar::Scan> scans = {scan};
     scans.insert(scans.end(), others.begin(), others.end());
     keepKeyframe(scans, !is_first && !restarted);
@@ -336,18 +337,20 @@ std::vector<core::Pose2> ParticleFilter::poses() const {
   return poses;
 }
 
-size_t ParticleFilter::distinctTiles() const {
-  std::vector<const void*> tiles;
-  for (const Particle& particle : particles_) particle.grid.appendTiles(tiles);
-  std::sort(tiles.begin(), tiles.end());
-  tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
-  return tiles.size();
+/// Of all particles' maps, what is shared counted once.
+size_t ParticleFilter::mapBytes() const {
+  std::vector<std::pair<const void*, size_t>> parts;
+  for (const Particle& particle : particles_) particle.grid.appendParts(parts);
+  std::sort(parts.begin(), parts.end());
+  parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
+  return std::accumulate(parts.begin(), parts.end(), size_t{0},
+                         [](size_t sum, const auto& part) { return sum + part.second; });
 }
 
 size_t ParticleFilter::bytes() const {
   size_t directories = 0;
   for (const Particle& particle : particles_) directories += particle.grid.directoryBytes();
-  return distinctTiles() * gridmap::Grid::tileBytes() + directories + paths_.bytes();
+  return mapBytes() + directories + paths_.bytes();
 }
 
 }  // namespace slam::particles

@@ -199,7 +199,7 @@ class ParticleFilter {
   void redrawMap(const std::vector<core::Pose2>& poses_before);
   void trackDrift(const core::Pose2& T_before, const Eigen::Matrix3d& motion_covariance,
                   const Eigen::Matrix3d& prior_information);
-  size_t distinctTiles() const;
+  size_t mapBytes() const;
 
   ParticleFilterOptions options_;
   scanmatch::ScanPointOptions point_options_;

@@ -9,7 +9,7 @@
 namespace slam::scanmatch {
 namespace {
 
-using gridmap::Cell;
+using gridmap::FieldCell;
 
 /// Such points are corners, or walls whose noise hides their direction. The nearest surface is where the scan
 /// before saw it: at full weight they hold every scan back along a corridor, by 2 % of the way on ring B.
@@ -24,7 +24,7 @@ struct FieldVector {
 /// u, v: the point in units of cells. False where a surface is out of reach.
 bool fieldAt(const gridmap::Grid& grid, double u, double v, FieldVector& field) {
   const double x = std::floor(u - 0.5), y = std::floor(v - 0.5);
-  std::array<const Cell*, 4> cells;
+  std::array<const FieldCell*, 4> cells;
   if (!grid.square(static_cast<int>(x), static_cast<int>(y), cells)) return false;
   if (!cells[0]->nearSurface() || !cells[1]->nearSurface() || !cells[2]->nearSurface() ||
       !cells[3]->nearSurface())
@@ -36,7 +36,7 @@ bool fieldAt(const gridmap::Grid& grid, double u, double v, FieldVector& field) 
     const double fx = cells[k]->shift_x, fy = cells[k]->shift_y;
     sx += weight[k] * fx, sy += weight[k] * fy, squares += weight[k] * (fx * fx + fy * fy);
   }
-  constexpr double kUnit = 1 / Cell::kShiftsPerCell;
+  constexpr double kUnit = 1 / FieldCell::kShiftsPerCell;
   field.x = sx * kUnit, field.y = sy * kUnit;
   // Between two surfaces the vectors cancel. About one wall they disagree by half a cell at most in each
   // direction.

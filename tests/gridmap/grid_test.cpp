@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -87,7 +89,7 @@ void expectSameOccupancy(const Grid& grid, const Twin& twin) {
   size_t seen = 0;
   for (int y = -130; y <= 130; ++y)
     for (int x = -130; x <= 130; ++x) {
-      const Cell* cell = grid.at(x, y);
+      const auto cell = grid.at(x, y);
       const auto found = twin.log_odds.find({x, y});
       ASSERT_EQ(cell && cell->seen(), found != twin.log_odds.end()) << x << ' ' << y;
       if (found == twin.log_odds.end()) continue;
@@ -102,15 +104,15 @@ void expectExactField(const Grid& grid, int reach) {
   for (int y = -110; y <= 110; ++y)
     for (int x = -110; x <= 110; ++x) {
       std::tuple<int, int, int> best{reach * reach + 1, -100, -100};
-      const Cell* source = nullptr;
+      std::optional<Cell> source;
       for (int dy = -reach; dy <= reach; ++dy)
         for (int dx = -reach; dx <= reach; ++dx) {
-          const Cell* other = grid.at(x + dx, y + dy);
+          const auto other = grid.at(x + dx, y + dy);
           const std::tuple<int, int, int> here{dx * dx + dy * dy, dy, dx};
           if (other && other->occupied() && here < best) best = here, source = other;
         }
-      const Cell* cell = grid.at(x, y);
-      ASSERT_EQ(cell && cell->nearSurface(), source != nullptr) << x << ' ' << y;
+      const auto cell = grid.at(x, y);
+      ASSERT_EQ(cell && cell->nearSurface(), source.has_value()) << x << ' ' << y;
       if (!source) continue;
       ASSERT_EQ(cell->to_x, std::get<2>(best)) << x << ' ' << y;
       ASSERT_EQ(cell->to_y, std::get<1>(best)) << x << ' ' << y;
@@ -129,8 +131,8 @@ Grid randomGrid(int scans, std::uint64_t seed = 5) {
 bool sameCells(const Grid& a, const Grid& b) {
   for (int y = -130; y <= 130; ++y)
     for (int x = -130; x <= 130; ++x) {
-      const Cell *one = a.at(x, y), *two = b.at(x, y);
-      if ((one == nullptr) != (two == nullptr)) return false;
+      const auto one = a.at(x, y), two = b.at(x, y);
+      if (one.has_value() != two.has_value()) return false;
       if (one && std::tie(one->log_odds, one->returns, one->to_x, one->to_y, one->shift_x, one->shift_y) !=
                      std::tie(two->log_odds, two->returns, two->to_x, two->to_y, two->shift_x, two->shift_y))
         return false;
@@ -189,6 +191,27 @@ TEST(Grid, WhatIsCertainStaysShared) {
   EXPECT_GT(copy.tiles(), 5U);
 }
 
+TEST(Grid, BeamsThatOnlyPassCopyNoField) {
+  lidar::Scan scan;
+  scan.first_angle_rad = -1.5, scan.step_rad = 0.01, scan.max_range_m = 10;
+  scan.ranges_m.assign(300, 3.0F);
+  Grid grid({});
+  grid.insert(scanRays(scan, {}), {});
+  Grid copy = grid;
+  scan.max_range_m = 2.5;
+  scan.ranges_m.assign(300, lidar::kNoReturn);
+  copy.insert(scanRays(scan, {}), {});
+  std::vector<std::pair<const void*, size_t>> before, after;
+  grid.appendParts(before), copy.appendParts(after);
+  size_t copied = 0;
+  for (const auto& part : after)
+    if (std::find(before.begin(), before.end(), part) == before.end()) {
+      ++copied;
+      EXPECT_EQ(part.second, 32 * 32 * sizeof(SeenCell));
+    }
+  EXPECT_GT(copied, 3U);
+}
+
 TEST(Grid, GrowsInAllFourDirections) {
   core::RandomStream random(3, "growth");
   const auto scan = scanRays(randomScan(random), {});
@@ -200,9 +223,9 @@ TEST(Grid, GrowsInAllFourDirections) {
   EXPECT_TRUE(sameCells(near, far));
   for (const auto& [x, y] : {std::pair(500.0, 0.0), {-700.0, 0.0}, {0.0, 300.0}, {0.0, -900.0}}) {
     const auto eye = core::Pose2{x, y, 0} * scan.origin;
-    const Cell* cell =
+    const auto cell =
         far.at(static_cast<int>(std::floor(eye.x / 0.05)), static_cast<int>(std::floor(eye.y / 0.05)));
-    ASSERT_NE(cell, nullptr);
+    ASSERT_TRUE(cell);
     EXPECT_TRUE(cell->seen());
   }
   EXPECT_LT(far.tiles(), 5 * near.tiles() + 20);
