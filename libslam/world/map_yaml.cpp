@@ -27,7 +27,7 @@ const std::vector<std::string>& knownKeys() {
 /// are left out.
 std::string textOf(const YAML::Node& node, int depth = 0) {
   constexpr int kDeepest = 2;
-  if (node.IsScalar()) return node.Scalar();
+  if (node.IsScalar()) return core::oneLine(node.Scalar());
   if (node.IsMap()) return "{...}";
   if (!node.IsSequence()) return "";
   if (depth == kDeepest) return "[...]";
@@ -74,7 +74,8 @@ Entries parse(const std::string& text, const std::string& path) {
 
 core::InputError wrongValue(const std::string& where, const std::string& key, const std::string& found,
                             const std::string& expected) {
-  return core::InputError(where + ": key '" + key + "': found '" + found + "', expected " + expected);
+  return core::InputError(where + ": key '" + key + "': found '" + core::oneLine(found) + "', expected " +
+                          expected);
 }
 
 /// The checked values of one map yaml.

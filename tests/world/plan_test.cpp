@@ -211,6 +211,7 @@ TEST_F(Plans, RefuseAMalformedYamlInOneLine) {
   EXPECT_EQ(yamlError(std::string(kHeader) + "resolution: 1\n"),
             ":4: key 'resolution' is given twice, first at " + (folder_ / "map.yaml") + ":2");
   EXPECT_EQ(yamlError("just a text\n"), ":1: found 'just a text', expected key: value");
+  EXPECT_EQ(yamlError("just\n\na text\n"), ":1: found 'just a text', expected key: value");
   EXPECT_EQ(yamlError("- good.png\n"), ":1: found '[good.png]', expected key: value");
   EXPECT_EQ(yamlError("[image]: good.png\n"), ":1: unknown key '[image]'; did you mean 'image'?");
   for (const std::string bad : {"image: [\n", "image: a: b\n", "\timage: good.png\n"})
@@ -229,6 +230,7 @@ TEST_F(Plans, RefuseAYamlValueOutOfRangeInOneLine) {
   for (const std::string bad : {"-0.05", "0", "nan", "inf", "0.05m", "1e9", "five"})
     EXPECT_EQ(withResolution(bad),
               ":2: key 'resolution': found '" + bad + "', expected metres per pixel, a number above 0");
+  EXPECT_THAT(withResolution("'5\n\n  m'"), HasSubstr("found '5 m', expected"));
   const auto withOrigin = [&](const std::string& value) {
     return yamlError("image: good.png\nresolution: 1\norigin: " + value + "\n");
   };
