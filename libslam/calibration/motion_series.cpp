@@ -26,8 +26,7 @@ bool isMatched(const odometry::ScanMotion& motion) {
 }  // namespace
 
 MotionSeries::MotionSeries(std::uint64_t scans, double shortest_s)
-    : scans_(scans),
-      stretch_length_(scans <= kMostSteps ? std::max<std::uint64_t>(scans, 1) : kMostSteps / kStretches),
+    : stretch_length_(scans <= kMostSteps ? std::max<std::uint64_t>(scans, 1) : kMostSteps / kStretches),
       period_(scans <= kMostSteps ? stretch_length_ : scans / kStretches),
       shortest_s_(shortest_s),
       matcher_(makeMatcher()) {}

@@ -47,7 +47,7 @@ class MotionSeries {
  private:
   bool isWanted(std::uint64_t scan) const;
 
-  std::uint64_t scans_, seen_ = 0, stretch_length_, period_;
+  std::uint64_t seen_ = 0, stretch_length_, period_;
   double shortest_s_;
   std::unique_ptr<odometry::ScanOdometry> matcher_;
   std::optional<double> previous_s_;  ///< stamp of the scan before, inside a stretch

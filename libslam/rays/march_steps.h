@@ -91,7 +91,8 @@ SLAM_INLINE void measureHits(const double* __restrict major, const double* __res
     const bool is_certain = (along > ahead + kDoubt) & (along < u + 1 - origin_u - kDoubt);
     doubtful |= static_cast<int>(is_above) & static_cast<int>(!is_certain);
     const double range_m = resolution_m * distance;
-    ranges_m[i] = (range_m <= limit_m) & (hits[i] < kAmbiguousHit) ? static_cast<float>(range_m) : kInfinity;
+    ranges_m[i] =
+        ((range_m <= limit_m) & (hits[i] < kAmbiguousHit)) ? static_cast<float>(range_m) : kInfinity;
   }
   if (doubtful == 0) return;
   for (int i = 0; i < count; ++i) {

@@ -7,7 +7,7 @@ namespace {
 
 class Hall {
  public:
-  explicit Hall(Site& site) : site_(site), random_(site.layout) {}
+  explicit Hall(Site& site) : site_(site) {}
 
   void draw() {
     site_.requireInside("hall", site_.cells(900), site_.cells(700));
@@ -196,7 +196,6 @@ class Hall {
   }
 
   Site& site_;
-  core::RandomStream& random_;
   std::vector<Rect> sections_;
 };
 
