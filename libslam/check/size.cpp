@@ -5,7 +5,7 @@
 namespace slam::check {
 namespace {
 
-constexpr double kMuchMemory_MB = 1500;
+constexpr double kMuchMegabytes = 1500;
 
 Finding unusable(const std::string& text) {
   Finding finding;
@@ -37,7 +37,7 @@ void checkSize(Sheet& sheet) {
   else if (free == 0)
     sheet.findings.push_back(unusable("no free space at all in " + size + ": nothing is " +
                                       (sheet.goes_by_alpha ? "transparent" : "bright enough")));
-  else if (const double megabytes = megabytesToSimulate(sheet.cells.total()); megabytes > kMuchMemory_MB) {
+  else if (const double megabytes = megabytesToSimulate(sheet.cells.total()); megabytes > kMuchMegabytes) {
     Finding finding;
     finding.key = "size";
     finding.severity = Severity::kWarning;

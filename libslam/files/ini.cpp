@@ -18,7 +18,7 @@ std::string withoutComment(const std::string& line) {
 }  // namespace
 
 std::string trimmed(const std::string& text) {
-  const char* kBlank = " \t\r\n";
+  constexpr const char* kBlank = " \t\r\n";
   const auto first = text.find_first_not_of(kBlank);
   if (first == std::string::npos) return "";
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);

@@ -21,7 +21,7 @@ class Sha256 {
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
     unsigned int size = 0;
     EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
-    const char* kDigits = "0123456789abcdef";
+    constexpr const char* kDigits = "0123456789abcdef";
     std::string text;
     for (unsigned int i = 0; i < size; ++i) {
       text += kDigits[digest[i] >> 4];

@@ -71,14 +71,14 @@ std::vector<StampedCovariance> readCovariances(const std::string& path) {
 
 std::vector<double> poseNees(const core::Trajectory& truth, const core::Trajectory& estimate,
                              const std::vector<StampedCovariance>& covariances,
-                             const std::optional<core::Pose2>& known_T_world_map) {
+                             const std::optional<core::Pose2>& T_world_map_known) {
   if (covariances.size() != estimate.size())
     throw core::ContractError("poseNees: " + std::to_string(covariances.size()) + " covariances for " +
                               std::to_string(estimate.size()) + " poses");
   std::vector<double> nees;
   core::Pose2 T_world_map, T_world_robot;
   if (estimate.empty() || !metrics::poseAt(truth, estimate.front().time_s, T_world_map)) return nees;
-  T_world_map = known_T_world_map.value_or(T_world_map);
+  T_world_map = T_world_map_known.value_or(T_world_map);
   for (size_t i = 0; i < estimate.size(); ++i) {
     if (!metrics::poseAt(truth, estimate[i].time_s, T_world_robot)) continue;
     const core::Pose2 T_map_robot = core::between(T_world_map, T_world_robot);

@@ -173,7 +173,7 @@ MapYaml readMapYaml(const std::string& path) {
   map.options.resolution_m = values.number("resolution", 1e-6, 1e6, "metres per pixel, a number above 0");
   map.options.T_world_plan = values.pose("origin");
   if (values.find("negate")) map.options.negate = values.flag("negate");
-  const char* kShare = "a number from 0 to 1";
+  constexpr const char* kShare = "a number from 0 to 1";
   if (values.find("occupied_thresh"))
     map.options.occupied_threshold = values.number("occupied_thresh", 0, 1, kShare);
   if (values.find("free_thresh")) map.options.free_threshold = values.number("free_thresh", 0, 1, kShare);
