@@ -1,5 +1,5 @@
 # Run after a test program is linked:
-#   cmake -D PROGRAM=... -D NAME=world -D MOST=12 -D LABELS=... -D TIMEOUT=... -D OUTPUT=... -P list_suites.cmake
+#   cmake -D PROGRAM=... -D NAME=world -D MOST=12 -D LABELS=... -D TIMEOUT=... -D ENVIRONMENT=... -D OUTPUT=... -P list_suites.cmake
 # Writes one ctest test for every suite of the program, or for every MOST tests of a longer one. A test for each case
 # would start the program each time, and with MRPT's libraries that takes longer than most cases do.
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE result)
@@ -7,8 +7,6 @@ if(NOT result EQUAL 0)
   message(FATAL_ERROR "${PROGRAM} --gtest_list_tests: found exit code ${result}, expected 0")
 endif()
 
-# For builds with sanitizers; no others read it.
-set(environment "LSAN_OPTIONS=suppressions=${CMAKE_CURRENT_LIST_DIR}/../tests/leaks.supp:print_suppressions=0")
 set(text "")
 set(suite "")
 set(cases "")
@@ -21,7 +19,7 @@ macro(end_chunk)
       string(APPEND test ".${chunk}")
     endif()
     string(APPEND text "add_test([==[${test}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${filter}]==])\n"
-                       "set_tests_properties([==[${test}]==] PROPERTIES TIMEOUT ${TIMEOUT} LABELS [==[${LABELS}]==] ENVIRONMENT [==[${environment}]==])\n")
+                       "set_tests_properties([==[${test}]==] PROPERTIES TIMEOUT ${TIMEOUT} LABELS [==[${LABELS}]==] ENVIRONMENT [==[${ENVIRONMENT}]==])\n")
     math(EXPR chunk "${chunk} + 1")
     set(cases "")
   endif()

@@ -12,6 +12,7 @@ if(RASTERSLAM_SANITIZE)
   target_compile_options(slam_build_flags INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer
                                                     -fno-sanitize-recover=undefined)
   target_link_options(slam_build_flags INTERFACE -fsanitize=address,undefined)
+  set(slam_test_environment "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0")
 endif()
 if(RASTERSLAM_FUZZ)
   target_compile_options(slam_build_flags INTERFACE -fsanitize=fuzzer-no-link)
@@ -113,7 +114,8 @@ function(slam_add_tests name)
   set_property(TARGET test_${name} APPEND PROPERTY LINK_DEPENDS ${script})
   add_custom_command(TARGET test_${name} POST_BUILD BYPRODUCTS ${listed}
     COMMAND ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:test_${name}> -D NAME=${name} -D MOST=${T_CASES}
-            -D "LABELS=${T_LABELS}" -D TIMEOUT=${timeout} -D OUTPUT=${listed} -P ${script} VERBATIM)
+            -D "LABELS=${T_LABELS}" -D TIMEOUT=${timeout} -D "ENVIRONMENT=${slam_test_environment}"
+            -D OUTPUT=${listed} -P ${script} VERBATIM)
   set(included ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_include.cmake)
   file(WRITE ${included} "if(EXISTS \"${listed}\")\n  include(\"${listed}\")\nelse()\n"
                          "  add_test(${name}.NOT_BUILT test_${name}_is_not_built)\nendif()\n")
