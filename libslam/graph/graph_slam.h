@@ -52,9 +52,11 @@ namespace slam::graph {
 /// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry,
 /// or it is contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one
 /// of the starts, too; without odometry every place that the robot may have come to is, with its heading.
-/// Odometry's noise grows with the root of time, with the metres and with the angle; how long its metres are
-/// is learnt while driving (odometry::PathScale). Steps are timed by the mean of the stamps of late. Each of
-/// several lidars is known by its mounting.
+/// Leaps that no robot drives are no odometry (wheels::Leaps), nor are wheels that have never moved
+/// (wheels::Silence). Odometry's noise grows with the root of time, with the metres and with the angle; how
+/// long its metres are, how it turns where the robot does not and how far its turns scatter is learnt while
+/// driving (wheels::WheelCalibration). Steps are timed by the mean of the stamps of late. Each of several
+/// lidars is known by its mounting.
 ///
 /// The kidnapped robot (see LostDetector): a scan that breaks with the one before and contradicts the map is
 /// held back for half a second. If that goes on, the robot maps on by itself, while it is still tracked in
