@@ -8,6 +8,7 @@ core::Pose2 WheelCalibration::corrected(const core::Pose2& T_wheels) const {
 
 void WheelCalibration::learn(const core::Pose2& T_corrected, const core::Pose2& T_matched, double way_told,
                              double turn_told) {
+  if (!core::isFinite(T_corrected) || !core::isFinite(T_matched)) return endPiece();
   heading_.learn(T_corrected, T_matched, turn_told);
   scale_.learn(T_corrected, T_matched, way_told);
 }

@@ -12,6 +12,7 @@ class WheelCalibration {
   core::Pose2 corrected(const core::Pose2& T_wheels) const;
   /// A step: by corrected(), and as it was matched to a map; both in the robot's frame before it. `way_told`
   /// and `turn_told`: of what holds the match along the way and its heading, the scan's share, in [0, 1].
+  /// Nothing is learnt of a step that is not finite.
   void learn(const core::Pose2& T_corrected, const core::Pose2& T_matched, double way_told, double turn_told);
   /// Nothing is known of a step.
   void endPiece();
