@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "tests/scanmatch/drawn_rooms.h"
@@ -66,6 +67,20 @@ inline Drive drive(const std::vector<Wall>& walls, const std::vector<core::Pose2
     result.increments.push_back(moved);
   }
   return result;
+}
+
+/// The drive, with a scan for every `nth` step from step `first` on.
+inline Drive everyNth(const Drive& log, size_t nth, size_t first = 0) {
+  Drive kept;
+  core::Pose2 increment;
+  for (size_t i = 0; i < log.scans.size(); ++i) {
+    increment = increment * log.increments[i];
+    if (i > first && i % nth != 0) continue;
+    kept.scans.push_back(log.scans[i]);
+    kept.truth.push_back(log.truth[i]);
+    kept.increments.push_back(std::exchange(increment, {}));
+  }
+  return kept;
 }
 
 inline double worstError(const std::vector<core::Pose2>& estimate, const std::vector<core::Pose2>& truth) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <set>
-#include <utility>
 
 #include "libslam/core/error.h"
 #include "libslam/scanmatch/information.h"
@@ -64,20 +63,6 @@ TEST(GraphSlam, GivesTheSameBytesAgain) {
     ASSERT_EQ(a[i].y, b[i].y);
     ASSERT_EQ(a[i].phi, b[i].phi);
   }
-}
-
-/// The drive, with a scan for every `nth` step from step `first` on.
-Drive everyNth(const Drive& log, size_t nth, size_t first = 0) {
-  Drive kept;
-  core::Pose2 increment;
-  for (size_t i = 0; i < log.scans.size(); ++i) {
-    increment = increment * log.increments[i];
-    if (i > first && i % nth != 0) continue;
-    kept.scans.push_back(log.scans[i]);
-    kept.truth.push_back(log.truth[i]);
-    kept.increments.push_back(std::exchange(increment, {}));
-  }
-  return kept;
 }
 
 // Intel's robot turns by 3.5 degrees on each metre that its wheels call straight: between two scans 4 m apart
