@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kLevel_rad = core::degToRad(5.0);
 constexpr double kOnRobot_m = 2;  // a robot indoors is not longer
-constexpr double kSamePlace_m = 1e-3, kSameHeading_rad = 1e-3;
 constexpr double kLeastDisagreement_s = 0.2, kPeriods = 3;
 
 const SeenScan* firstOf(const std::vector<SeenScan>& seen, const std::string& label) {
@@ -54,11 +53,6 @@ std::string disagreementText(const std::string& main, const std::string& label, 
                 "the stamps of lidar '%s' are %.3f s %s those of '%s' beside them in the log", label.c_str(),
                 std::abs(later_s), later_s > 0 ? "after" : "before", main.c_str());
   return text;
-}
-
-bool areAtOnePlace(const core::Pose2& a, const core::Pose2& b) {
-  return core::distance(a, b) < kSamePlace_m &&
-         std::abs(core::angleDifference(a.phi, b.phi)) < kSameHeading_rad;
 }
 
 /// True when most returns of one are, beam by beam, those of the other.
@@ -106,7 +100,7 @@ std::string objection(const std::vector<SeenScan>& seen, const std::vector<std::
   }
   for (const auto& other : taken) {
     if (isCopy(seen, label, other)) return "it repeats the readings of '" + other + "'";
-    if (areAtOnePlace(mount, firstOf(seen, other)->scan->scan.T_robot_lidar))
+    if (lidar::areOfOneLidar(first.scan->scan, firstOf(seen, other)->scan->scan))
       return "the log says that it is mounted where '" + other + "' is";
   }
   if (const double later_s = disagreement(seen, taken.front(), label); later_s != 0)

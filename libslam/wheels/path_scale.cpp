@@ -9,17 +9,7 @@ namespace {
 
 /// Wheels measure within this share of the true way, for a start; more than the second is no matter of scale.
 constexpr double kSigma = 0.03, kMost = 0.15;
-/// Below, a scan hardly told how far the robot went.
-constexpr double kTold = 0.5;
 constexpr double kPiece_m = 0.5;
-/// A longer one is a leap, and none of wheels.
-constexpr double kMostStep_m = 20;
-/// What was driven so many metres ago counts a third.
-constexpr double kMemory_m = 100;
-/// In standard deviations: beyond, a piece counts the less the farther off it is.
-constexpr double kTail = 3;
-/// The variance that wheels are taken to have on a metre, m^2, before pieces show it; and how many it counts.
-constexpr double kVariance = 0.01, kPieces = 2;
 
 }  // namespace
 
@@ -40,13 +30,10 @@ void PathScale::learn(const core::Pose2& T_corrected, const core::Pose2& T_match
   if (way_m < kPiece_m) return;
   const double excess_m = core::hypot(T_matched_.x, T_matched_.y) - way_m;
   const double off_m = excess_m - (factor_ - 1) * way_m, off2 = off_m * off_m / way_m;
-  const double variance = (kPieces * kVariance + squared_m_) / (kPieces + pieces_);
-  const double tail = kTail * kTail * variance, weight = off2 > tail ? tail / off2 : 1;
-  const double stays = core::exp(-way_m / kMemory_m);
-  pieces_ = stays * pieces_ + weight;
+  const double variance = scatter_.variance(), stays = core::exp(-way_m / kMemory);
+  const double weight = scatter_.add(off2, stays);
   way_m_ = stays * way_m_ + weight * way_m;
   excess_m_ = stays * excess_m_ + weight * excess_m;
-  squared_m_ = stays * squared_m_ + weight * off2;
   factor_ = 1 + std::clamp(excess_m_ / (way_m_ + variance / (kSigma * kSigma)), -kMost, kMost);
   endPiece();
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include "libslam/core/pose2.h"
+#include "libslam/wheels/pieces.h"
 
 namespace slam::wheels {
 
@@ -28,8 +29,9 @@ class PathScale {
 
  private:
   double factor_ = 1;
-  core::Pose2 T_wheels_, T_matched_;                              ///< along the piece at hand
-  double pieces_ = 0, way_m_ = 0, excess_m_ = 0, squared_m_ = 0;  ///< sums over the pieces, fading
+  core::Pose2 T_wheels_, T_matched_;  ///< along the piece at hand
+  double way_m_ = 0, excess_m_ = 0;   ///< sums over the pieces, fading
+  Scatter scatter_{0.01};             ///< m^2 per metre; assumed: 0.1 m on a metre
 };
 
 }  // namespace slam::wheels

@@ -11,29 +11,16 @@ namespace {
 /// What wheels are taken to be wrong by before anything is learnt, rad per metre and per radian; and the most
 /// that is no slip.
 constexpr double kSigmaPerMetre = 0.05, kSigmaPerRadian = 0.05, kMost = 0.2;
-/// Below, a scan hardly told how far the robot turned.
-constexpr double kTold = 0.5;
 /// A piece ends so far from where it began (m or rad), or after so much to and fro.
 constexpr double kPiece = 0.5, kToAndFro = 2;
-/// A longer step is a leap, and none of wheels; more than half a turn between two scans is not known to be
-/// one.
-constexpr double kMostStep_m = 20, kMostTurn_rad = 3;
-/// What was driven so many metres (or radians) ago counts a third.
-constexpr double kMemory = 100;
-/// In standard deviations: beyond, a piece counts the less the farther off it is.
-constexpr double kTail = 3;
-/// How many pieces the assumed variance counts.
-constexpr double kPieces = 2;
+/// More than half a turn between two scans may have been one the other way round.
+constexpr double kMostTurn_rad = 3;
 
 double square(double x) {
   return x * x;
 }
 
 }  // namespace
-
-double WheelHeading::Scatter::variance() const {
-  return (kPieces * assumed + squared) / (kPieces + pieces);
-}
 
 core::Pose2 WheelHeading::corrected(const core::Pose2& T_wheels) const {
   const double more = per_metre_ * T_wheels.x + per_radian_ * T_wheels.phi;
@@ -67,19 +54,16 @@ void WheelHeading::addPiece() {
   const double length = piece_.way_m + piece_.turned_rad;
   Scatter& scatter = piece_.way_m >= piece_.turned_rad ? driving_ : turning_;
   const double off_rad = piece_.excess_rad - per_metre_ * piece_.ahead_m - per_radian_ * piece_.turn_rad;
-  const double off2 = square(off_rad) / length, variance = scatter.variance();
-  const double tail = kTail * kTail * variance, robust = off2 > tail ? tail / off2 : 1;
-  const double stays = core::exp(-length / kMemory), weight = robust / (scatter.assumed * length);
-  scatter.pieces = stays * scatter.pieces + robust;
-  scatter.squared = stays * scatter.squared + robust * off2;
+  const double stays = core::exp(-length / kMemory);
+  const double weight = scatter.add(square(off_rad) / length, stays) / (scatter.assumed() * length);
   way_way_ = stays * way_way_ + weight * square(piece_.ahead_m);
   way_turn_ = stays * way_turn_ + weight * piece_.ahead_m * piece_.turn_rad;
   turn_turn_ = stays * turn_turn_ + weight * square(piece_.turn_rad);
   way_excess_ = stays * way_excess_ + weight * piece_.ahead_m * piece_.excess_rad;
   turn_excess_ = stays * turn_excess_ + weight * piece_.turn_rad * piece_.excess_rad;
   // What was assumed before counts by the noise that the pieces show.
-  const double a = way_way_ + driving_.variance() / driving_.assumed / square(kSigmaPerMetre),
-               d = turn_turn_ + turning_.variance() / turning_.assumed / square(kSigmaPerRadian);
+  const double a = way_way_ + driving_.variance() / driving_.assumed() / square(kSigmaPerMetre),
+               d = turn_turn_ + turning_.variance() / turning_.assumed() / square(kSigmaPerRadian);
   const double determinant = a * d - way_turn_ * way_turn_;
   per_metre_ = std::clamp((d * way_excess_ - way_turn_ * turn_excess_) / determinant, -kMost, kMost);
   per_radian_ = std::clamp((a * turn_excess_ - way_turn_ * way_excess_) / determinant, -kMost, kMost);

@@ -1,5 +1,6 @@
 #pragma once
 #include "libslam/core/pose2.h"
+#include "libslam/wheels/pieces.h"
 
 namespace slam::wheels {
 
@@ -36,18 +37,11 @@ class WheelHeading {
   struct Piece {
     double ahead_m = 0, way_m = 0, turn_rad = 0, turned_rad = 0, excess_rad = 0;
   };
-  /// What pieces of one kind scatter by, per metre and radian: fading sums of weights and squares.
-  struct Scatter {
-    double pieces = 0, squared = 0, assumed = 0;
-    double variance() const;
-  };
-
   void addPiece();
 
   double per_metre_ = 0, per_radian_ = 0;
   Piece piece_;
-  Scatter driving_{0, 0, 4e-4},
-      turning_{0, 0, 2.5e-3};  ///< assumed: 0.02 rad on a metre, 0.05 rad on a radian
+  Scatter driving_{4e-4}, turning_{2.5e-3};  ///< assumed: 0.02 rad on a metre, 0.05 rad on a radian
   /// Normal equations of the line, fading.
   double way_way_ = 0, way_turn_ = 0, turn_turn_ = 0, way_excess_ = 0, turn_excess_ = 0;
 };
