@@ -50,16 +50,14 @@ std::vector<std::pair<double, int>> Links::around(const std::vector<core::Pose2>
   queue_.push_back({0, start});
   const double near2 = radius_m * radius_m, far2 = 2.25 * near2;
   std::vector<std::pair<double, int>> near;
-  while (!queue_.empty()) {
-    std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
-    const auto [length_m, k] = queue_.back();
-    queue_.pop_back();
+  // First in, first out: rooms are wide and chains short, so few keyframes are reached again by a shorter
+  // way.
+  for (size_t next = 0; next < queue_.size(); ++next) {
+    const auto [length_m, k] = queue_[next];
     if (length_m > reached_[static_cast<size_t>(k)]) continue;
     const double dx = poses[static_cast<size_t>(k)].x - centre.x,
                  dy = poses[static_cast<size_t>(k)].y - centre.y;
-    const double away2 = dx * dx + dy * dy;
-    if (away2 <= near2) near.push_back({away2, k});
-    if (away2 > far2) continue;
+    if (dx * dx + dy * dy > far2) continue;
     for (const Link& link : links_[static_cast<size_t>(k)]) {
       const double reach = length_m + link.length_m;
       double& best = reached_[static_cast<size_t>(link.to)];
@@ -67,8 +65,12 @@ std::vector<std::pair<double, int>> Links::around(const std::vector<core::Pose2>
       if (best < 0) touched_.push_back(link.to);
       best = reach;
       queue_.push_back({reach, link.to});
-      std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
     }
+  }
+  for (const int k : touched_) {
+    const double dx = poses[static_cast<size_t>(k)].x - centre.x,
+                 dy = poses[static_cast<size_t>(k)].y - centre.y;
+    if (const double away2 = dx * dx + dy * dy; away2 <= near2) near.push_back({away2, k});
   }
   for (const int k : touched_) reached_[static_cast<size_t>(k)] = -1;
   std::sort(near.begin(), near.end());

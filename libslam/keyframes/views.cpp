@@ -42,9 +42,9 @@ double sharedView(const lidar::Scan& scan, const Pose2& T_map_robot, const lidar
 
 namespace {
 
-/// The beam, counted from the first, nearest to the direction of a point. As core::atan2() rounded has it, but
-/// that is seldom asked: to 1e-5 rad a polynomial knows the angle (Abramowitz and Stegun, 4.4.49), and most
-/// directions are farther from the middle between two beams.
+/// The beam, counted from the first, nearest to the direction of a point. As core::atan2() rounded has it,
+/// but that is seldom asked: to 1e-5 rad a polynomial knows the angle (Abramowitz and Stegun, 4.4.49), and
+/// most directions are farther from the middle between two beams.
 long beamTowards(const Point2& p, double first_angle_rad, double step_rad) {
   constexpr double kError_rad = 1.2e-5;
   const auto beam = [&](double angle_rad) {
