@@ -53,7 +53,7 @@ def drives_of(arguments):
             carried = ("random" if i % 3 == 2 else "visited") if is_carried else "none"
             # Lidar and rate change at other paces, so that all pairs come.
             lidar, rate = LIDARS[(i // len(buildings)) % 3], RATES_HZ[(i + i // len(RATES_HZ)) % len(RATES_HZ)]
-            drives.append((group, buildings[i % len(buildings)], lidar, rate, 1000 + i, carried))
+            drives.append((group, buildings[i % len(buildings)], lidar, rate, arguments.seed + i, carried))
 
     add("carried", arguments.carried, list(BUILDINGS), True)
     add("left alone", arguments.alone, list(BUILDINGS), False)

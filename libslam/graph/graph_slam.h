@@ -24,6 +24,7 @@
 #include "libslam/scanmatch/surfel_matcher.h"
 #include "libslam/wheels/leaps.h"
 #include "libslam/wheels/silence.h"
+#include "libslam/wheels/way_sign.h"
 #include "libslam/wheels/wheel_calibration.h"
 
 namespace slam::graph {
@@ -187,7 +188,8 @@ class GraphSlam {
   void forgetWheels();
   void noteWheels();
   void learnWheels(const keyframes::Expected& expected, const core::Pose2& T_map_robot,
-                   const Eigen::Matrix3d& information, const Eigen::Matrix3d& posterior_information);
+                   const Eigen::Matrix3d& information, const Eigen::Matrix3d& posterior_information,
+                   bool is_believed);
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
 
   // explained.cpp: what is known of a scan, and explained
@@ -259,6 +261,7 @@ class GraphSlam {
   wheels::WheelCalibration wheels_;
   wheels::Leaps leaps_;
   wheels::Silence silence_;
+  wheels::WaySign way_sign_;
   bool odometry_holds_ = true;    ///< since then
   bool is_known_ground_ = false;  ///< under the scan at hand
   ChangeMarks appeared_, gone_;

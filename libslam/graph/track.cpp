@@ -39,9 +39,6 @@ constexpr double kNear = 6;
 /// Odometry's errors are taken as normal to so many standard deviations, and with the tails of Cauchy's
 /// distribution beyond.
 constexpr double kTail = 2;
-/// What speaks against backwards motion that was counted forwards, in nats.
-constexpr double kBackwards = 1;
-
 /// What odometry with a step's standard deviations holds against a pose where it has another, in nats.
 double heldAgainst(const Pose2& T, const Pose2& T_odometry, double sigma_xy_m, double sigma_turn_rad) {
   const double off = core::distance(T, T_odometry) / sigma_xy_m,
@@ -148,7 +145,7 @@ double GraphSlam::unlikely(const Pose2& T, const keyframes::Expected& e) const {
   const auto by = [&](const Pose2& T_odometry) {
     return heldAgainst(T, T_odometry, e.step.sigma_xy_m, e.step.sigma_turn_rad);
   };
-  const double held = std::min(by(e.predicted), kBackwards + by(e.backwards));
+  const double held = std::min(by(e.predicted), way_sign_.against() + by(e.backwards));
   return by_wheels_ ? std::min(held, by(e.by_wheels)) : held;
 }
 
@@ -251,8 +248,8 @@ GraphSlam::Step GraphSlam::track(const lidar::Scan& scan, const Pose2& T_previou
   step.score = result.score;
   noteEvidence(points, T, maps_.fine);
   information = keyframes::toldInformation(evidence_);
-  if (has_odometry && !distrusted && !is_poor && !by_wheels_ && doubt_.begins < 0 && held_back_ == 0)
-    learnWheels(e, T, information, result.posterior_information);
+  if (has_odometry && !is_poor && doubt_.begins < 0 && held_back_ == 0)
+    learnWheels(e, T, information, result.posterior_information, !distrusted && !by_wheels_);
   else
     wheels_.endPiece();
   estimateCovariance(e, result);
@@ -285,16 +282,22 @@ void GraphSlam::forgetWheels() {
   by_wheels_.reset();
 }
 
-/// How far the robot went and turned beside what odometry says.
+/// How far the robot went and turned beside what odometry says; of a step that is not believed, only whether
+/// it went the other way.
 void GraphSlam::learnWheels(const keyframes::Expected& e, const Pose2& T, const Eigen::Matrix3d& information,
-                            const Eigen::Matrix3d& posterior_information) {
+                            const Eigen::Matrix3d& posterior_information, bool is_believed) {
   const Pose2& step = e.step.T_previous_robot;
   const auto [s, c] = core::sinCos(e.T_before.phi);
   const Eigen::Vector3d way(c * step.x - s * step.y, s * step.x + c * step.y, 0);
   const Eigen::Matrix3d told = posterior_information.ldlt().solve(information);
   // Standing still odometry has nothing to say either.
   const double way_told = way.squaredNorm() > 0 ? way.dot(told * way) / way.squaredNorm() : 1;
-  wheels_.learn(step, core::between(e.T_before, T), way_told, told(2, 2));
+  const Pose2 matched = core::between(e.T_before, T);
+  way_sign_.learn(step, matched, way_told);
+  if (is_believed)
+    wheels_.learn(step, matched, way_told, told(2, 2));
+  else
+    wheels_.endPiece();
 }
 
 /// Puts odometry's word in place of a match.
