@@ -288,7 +288,11 @@ const ParticleStep& ParticleFilter::update(const lidar::Scan& scan, const std::o
       const auto more = scanmatch::surfacePoints(other, point_options_);
       points.insert(points.end(), more.begin(), more.end());
     }
-    findPlace(points, scans_ == 0 ? std::nullopt : motion);
+    const std::optional<Motion> by_wheels = believed(motion, scan.time_s);
+    findPlace(points, by_wheels);
+    learnWheels(by_wheels, T_before);
+  } else {
+    previous_time_s_ = scan.time_s;
   }
   const bool restarted = mapping_ && lost_ && lost_scans_ >= options_.lost_scans;
   if (restarted) {

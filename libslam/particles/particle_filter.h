@@ -15,6 +15,9 @@
 #include "libslam/particles/motion.h"
 #include "libslam/particles/path_tree.h"
 #include "libslam/scanmatch/field_matcher.h"
+#include "libslam/wheels/leaps.h"
+#include "libslam/wheels/silence.h"
+#include "libslam/wheels/wheel_calibration.h"
 
 namespace slam::particles {
 
@@ -84,6 +87,10 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 /// - The number of particles is fixed, or chosen at every resampling such that the Kullback-Leibler distance
 ///   to what they stand for stays below a bound (Fox, IJRR 22(12), 2003; bins over the pose at this scan).
 ///
+/// Wheels: leaps that no robot drives are no motion (wheels::Leaps), nor is the word of wheels that have
+/// never moved (wheels::Silence). How long their metres are, and how far they turn where the robot does not,
+/// is learnt of the best particle (wheels::WheelCalibration).
+///
 /// Lost: a scan of which the map explains less than lost_score moves no particle but by the odometry, and
 /// enters no map; so do those after it, until the map explains insert_score of one. After lost_scans of them
 /// with returns the filter gives the old map up for the place where it is: it draws the scan at the
@@ -110,8 +117,9 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 /// Journal: TrackedPath's, and `distrusted` (odometry; value = gain in score), `poor` (the map explains less
 /// than insert_score; value = score), `lost` (the first scan; value = score), `recovered` (the map explains a
 /// scan again; value = score), `restarted` (the map goes on from odometry's pose; value = scans lost),
-/// `degenerate` (value = share of information along the open direction), `resampled` (value = effective share
-/// of the particles; detail = how many there are now).
+/// `leapt` (odometry; value = metres), `silent` (the wheels had never moved), `degenerate` (value = share of
+/// information along the open direction), `resampled` (value = effective share of the particles; detail = how
+/// many there are now).
 ///
 /// Frames: map is the robot's at the first scan. raster, that of the particles' grids, is turned against it:
 /// along a wall that lies in the direction of the cells all noise is cut off at the same border of a cell,
@@ -177,6 +185,8 @@ class ParticleFilter {
     scanmatch::FieldMatch match;
   };
   static core::Pose2 mapFromRaster() { return {0, 0, -kRasterTurn_rad}; }
+  std::optional<Motion> believed(std::optional<Motion> motion, double time_s);
+  void learnWheels(const std::optional<Motion>& motion, const core::Pose2& T_before);
   void reachFarther(const lidar::Scan& scan);
   void findPlace(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   Guidance guide(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
@@ -214,6 +224,10 @@ class ParticleFilter {
   PathTree paths_;
   size_t best_ = 0;
   core::Pose2 T_inserted_, velocity_;
+  wheels::WheelCalibration wheels_;
+  wheels::Leaps leaps_;
+  wheels::Silence silence_;
+  double previous_time_s_ = 0;
   int lost_scans_ = 0;  ///< with returns, since the filter is lost
   bool lost_ = false;
   /// Of the best particle against the map, since the last keyframe.

@@ -61,7 +61,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"keyframes", {"core", "files", "lidar", "scanmatch", "posegraph"}},
     {"loops", {"core", "lidar", "scanmatch", "posegraph", "keyframes"}},
     {"graph", {"core", "lidar", "scanmatch", "posegraph", "odometry", "wheels", "keyframes", "loops"}},
-    {"particles", {"core", "files", "lidar", "gridmap", "scanmatch", "keyframes", "loops"}},
+    {"particles", {"core", "files", "lidar", "gridmap", "scanmatch", "keyframes", "loops", "wheels"}},
     {"builders", {"core", "files", "lidar", "robot", "graph", "particles"}},
     {"methods", {"core", "files", "lidar", "gridmap", "odometry", "loops", "builders"}},
     {"mapping",
