@@ -173,6 +173,7 @@ int runProgram(CLI::App& app, Context& context) {
     return report(context, core::oneLine(usageError(app, command_line, "help: expected a command")),
                   ExitCode::kUsage);
   std::vector<const char*> argv;
+  argv.reserve(command_line.size());
   for (const auto& word : command_line) argv.push_back(word.c_str());
   catchInterrupts();
   endWithParent();

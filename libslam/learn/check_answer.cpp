@@ -89,7 +89,7 @@ Verdict checkNumber(const Lesson& lesson, std::uint64_t student, const std::stri
                     const Figures& figures, core::Progress& progress) {
   double found = 0;
   if (!files::parseNumber(word, found)) return notANumber(lesson, word);
-  const auto verdict = judgeNumber(lesson, found, figures);
+  auto verdict = judgeNumber(lesson, found, figures);
   if (verdict.kind != "wrong" || lesson.options.relative_tolerance + lesson.options.tolerance >= 0.1)
     return verdict;
   for (const std::uint64_t other : {student - 1, student + 1})

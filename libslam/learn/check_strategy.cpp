@@ -48,7 +48,7 @@ Run rowOf(const table::Table& table, const std::string& strategy) {
 }
 
 std::string rounded(double value) {
-  return files::formatNumber(static_cast<double>(static_cast<long long>(value * 10 + 0.5)) / 10);
+  return files::formatNumber(std::round(value * 10) / 10);
 }
 
 std::string lastLines(const std::string& printed) {

@@ -130,6 +130,7 @@ MadeFolder makeFromTemplate(const TemplateRequest& request) {
                                  [&](const TemplateKind& known) { return known.name == request.kind; });
   if (kind == kinds.end()) {
     std::vector<std::string> names;
+    names.reserve(kinds.size());
     for (const auto& known : kinds) names.push_back(known.name);
     throw core::InputError("kind: found '" + request.kind + "', expected one of " + listed(names) +
                            core::didYouMean(request.kind, names));

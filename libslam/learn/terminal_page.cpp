@@ -71,9 +71,7 @@ class Page {
       if (!in_code_) text_ += "\n";
     } else if (in_code_) {
       text_ += line.empty() ? "\n" : "    " + line + "\n";
-    } else if (startsWith(line, "<!--")) {
-      flush();
-    } else if (files::trimmed(line).empty()) {
+    } else if (startsWith(line, "<!--") || files::trimmed(line).empty()) {
       flush();
     } else if (startsWith(line, "#")) {
       flush();

@@ -22,8 +22,9 @@ constexpr int kLongestTrail = 40, kMostJoins = 12;
 /// A place may fail kMostFailures times, and once more for every so many points that fit.
 constexpr int kFittingPerFailure = 5;
 /// And it was followed over this extent without failing, and fits over half of it: rooms that look alike are
-/// smaller.
-constexpr double kExtent_m = 4, kFitExtent_m = 2;
+/// smaller. So far where a point of the trail is by kDistinct more like its place than like those beside it;
+/// less far where that is plainer, and the farther along a corridor or in a yard, which goes on like itself.
+constexpr double kExtent_m = 4, kDistinct = 0.4, kShortest = 0.5, kLongest = 4;
 /// Before a place is followed some points of the trail are asked whether the map contradicts it there.
 constexpr int kFirstAsked = 6;
 constexpr double kFirstConflict = 0.25;
@@ -42,6 +43,12 @@ constexpr int kProofsPerScan = 2;
 
 bool isSame(const Pose2& a, const Pose2& b) {
   return core::distance(a, b) < kTwin_m && std::abs(core::angleDifference(a.phi, b.phi)) < kTwin_rad;
+}
+
+/// Over what extent a place has to be followed.
+double extentToFollow_m(const keyframes::Join& join) {
+  const double ratio = kDistinct * join.fitting / std::max(join.distinct, 1e-9);
+  return kExtent_m * std::clamp(ratio * ratio, kShortest, kLongest);
 }
 
 }  // namespace
@@ -256,8 +263,9 @@ double PartFinder::aheadOf(const keyframes::Join& join, const keyframes::Join& o
 /// Whether all of the trail was held against a place, and all of the map was looked at since it was found.
 bool PartFinder::isReady(const keyframes::Join& join) const {
   return isCurrent(join) && join.places_left <= 0 && join.fitting >= options_->loop_confirmations &&
-         join.distinct >= options_->loop_distinctness && join.followed.diagonal_m() >= kExtent_m &&
-         join.fits.diagonal_m() >= kFitExtent_m;
+         join.distinct >= options_->loop_distinctness &&
+         join.followed.diagonal_m() >= extentToFollow_m(join) &&
+         2 * join.fits.diagonal_m() >= extentToFollow_m(join);
 }
 
 /// The place that no other can be as good as, if there is one.

@@ -33,6 +33,8 @@ constexpr double kUnknownSigma = 0.5;
 /// Of odometry, how far a scan that nothing explains is looked for; steps within the maps' reach, and bounds.
 constexpr double kSearchSigmas = 3, kSearchStep_m = 0.3, kSearchLeast_m = 0.3, kSearchMost_m = 1.2,
                  kSearchStep_rad = 0.06, kSearchLeast_rad = 0.18, kSearchMost_rad = 0.6;
+/// A map that says less of a scan cannot say that it lies elsewhere.
+constexpr double kLeastTold = 0.2;
 /// No lidar of a robot sees farther, and a reading in error must not fill the memory.
 constexpr double kFarthest_m = 100;
 constexpr double kDistrustFactor = 3, kDistrustSigma_m = 0.1, kDistrustSigma_rad = 0.05;
@@ -121,7 +123,8 @@ ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& 
   const auto score = [&](const core::Pose2& T) {
     return scanmatch::fieldScore(points, best.grid, T, options_.wide_kernel_m, kStartStride);
   };
-  std::vector<core::Pose2> others = {T_before * velocity_, T_before * core::inverse(guidance.expected)};
+  const core::Pose2& step = guidance.expected;
+  std::vector<core::Pose2> others = {T_before * velocity_, T_before * core::inverse(step)};
   for (const double turn_rad : {-0.15, -0.07, 0.07, 0.15})
     others.push_back({predicted.x, predicted.y, predicted.phi + turn_rad});
   const double predicted_score = score(predicted);
@@ -130,6 +133,12 @@ ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& 
   for (const core::Pose2& other : others)
     if (const double other_score = score(other); other_score > start_score)
       start = other, start_score = other_score;
+  // Some robots count backwards motion forwards, and turns as they are.
+  const core::Pose2 backwards = T_before * core::Pose2{-step.x, -step.y, step.phi};
+  if (const double other_score = score(backwards);
+      other_score >
+      start_score + way_sign_.against() / (options_.information_scale * static_cast<double>(points.size())))
+    start = backwards, start_score = other_score;
   if (std::max(predicted_score, start_score - kStartMargin) < options_.insert_score)
     for (const core::Pose2& other : startsAround(predicted, covariance))
       if (const double other_score = score(other); other_score > start_score)
@@ -244,12 +253,24 @@ void ParticleFilter::reachFarther(const lidar::Scan& scan) {
   point_options_.max_range_m = std::max(point_options_.max_range_m, options_.rays.max_range_m);
 }
 
+/// Of what the best particle's map says anything of, the share that it explains: ground that is new speaks
+/// against no pose. Where nearly all is new, odometry is as good as it was.
+double ParticleFilter::explained(const std::vector<SurfacePoint>& points, const Guidance& guidance,
+                                 bool has_motion) const {
+  if (guidance.match.score >= options_.insert_score) return guidance.match.score;
+  const double told =
+      scanmatch::fieldTold(points, particles_[best_].grid, guidance.match.T_map_robot, kStartStride);
+  if (told >= kLeastTold) return std::min(guidance.match.score / told, 1.0);
+  return has_motion && !lost_ && !points.empty() ? 1 : guidance.match.score;
+}
+
 void ParticleFilter::findPlace(const std::vector<SurfacePoint>& points, const std::optional<Motion>& motion) {
   const core::Pose2 T_before = particles_[best_].T_raster_robot;
   const Guidance guidance = guide(points, motion);
   step_.score = guidance.match.score;
   step_.degenerate = guidance.match.degenerate;
-  if (step_.score < (lost_ ? options_.insert_score : options_.lost_score)) {
+  if (explained(points, guidance, motion.has_value()) <
+      (lost_ ? options_.insert_score : options_.lost_score)) {
     if (!lost_) note(core::JournalEvent::kLost, step_.score);
     step_.lost = lost_ = true;
     if (!points.empty()) ++lost_scans_;

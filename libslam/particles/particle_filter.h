@@ -17,6 +17,7 @@
 #include "libslam/scanmatch/field_matcher.h"
 #include "libslam/wheels/leaps.h"
 #include "libslam/wheels/silence.h"
+#include "libslam/wheels/way_sign.h"
 #include "libslam/wheels/wheel_calibration.h"
 
 namespace slam::particles {
@@ -91,8 +92,9 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 /// never moved (wheels::Silence). How long their metres are, and how far they turn where the robot does not,
 /// is learnt of the best particle (wheels::WheelCalibration).
 ///
-/// Lost: a scan of which the map explains less than lost_score moves no particle but by the odometry, and
-/// enters no map; so do those after it, until the map explains insert_score of one. After lost_scans of them
+/// Lost: a scan moves no particle but by the odometry, and enters no map, when the map explains less than
+/// lost_score of what it says anything of; so do those after it, until the map explains insert_score of one.
+/// Of scans that lie on new ground nearly whole, odometry decides. After lost_scans of them
 /// with returns the filter gives the old map up for the place where it is: it draws the scan at the
 /// odometry's pose and goes on from there.
 ///
@@ -188,6 +190,8 @@ class ParticleFilter {
   std::optional<Motion> believed(std::optional<Motion> motion, double time_s);
   void learnWheels(const std::optional<Motion>& motion, const core::Pose2& T_before);
   void reachFarther(const lidar::Scan& scan);
+  double explained(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance,
+                   bool has_motion) const;
   void findPlace(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   Guidance guide(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   void matchAll(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance);
@@ -227,6 +231,7 @@ class ParticleFilter {
   wheels::WheelCalibration wheels_;
   wheels::Leaps leaps_;
   wheels::Silence silence_;
+  wheels::WaySign way_sign_;
   double previous_time_s_ = 0;
   int lost_scans_ = 0;  ///< with returns, since the filter is lost
   bool lost_ = false;

@@ -28,15 +28,17 @@ std::optional<Motion> ParticleFilter::believed(std::optional<Motion> motion, dou
 void ParticleFilter::learnWheels(const std::optional<Motion>& motion, const core::Pose2& T_before) {
   if (!step_.lost && silence_.note(velocity_)) note(core::JournalEvent::kSilent, 0);
   const Particle& best = particles_[best_];
-  if (!motion || step_.lost || step_.odometry_distrusted || step_.score < options_.insert_score)
-    return wheels_.endPiece();
+  if (!motion || step_.lost || step_.score < options_.insert_score) return wheels_.endPiece();
   const core::Pose2& step = motion->T_previous_robot;
   const auto [s, c] = core::sinCos(T_before.phi);
   const Eigen::Vector3d way(c * step.x - s * step.y, s * step.x + c * step.y, 0);
   const Eigen::Matrix3d told = best.information.ldlt().solve(best.match.information);
   // Standing still odometry has nothing to say either.
   const double way_told = way.squaredNorm() > 0 ? way.dot(told * way) / way.squaredNorm() : 1;
-  wheels_.learn(step, core::between(T_before, best.match.T_map_robot), way_told, told(2, 2));
+  const core::Pose2 matched = core::between(T_before, best.match.T_map_robot);
+  way_sign_.learn(step, matched, way_told);
+  if (step_.odometry_distrusted) return wheels_.endPiece();
+  wheels_.learn(step, matched, way_told, told(2, 2));
 }
 
 }  // namespace slam::particles

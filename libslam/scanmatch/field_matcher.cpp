@@ -3,8 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/rigid_motion2.h"
 
 namespace slam::scanmatch {
 namespace {
@@ -120,6 +122,35 @@ void findFreeDirection(double degenerate_m, FieldMatch& match) {
   match.degenerate = match.free_sigma_m > degenerate_m;
 }
 
+/// A beam goes through a wall where it comes to it and leaves it over clear ground, so far on either side;
+/// one along a wall may touch it.
+constexpr double kClear_m = 0.3;
+
+std::optional<gridmap::Cell> cellAt(const gridmap::Grid& grid, const core::Point2& p) {
+  const double per_cell = 1 / grid.cellSize();
+  return grid.at(static_cast<int>(std::floor(p.x * per_cell)), static_cast<int>(std::floor(p.y * per_cell)));
+}
+
+/// Whether the straight line to a point leads through a surface long before its end.
+bool goesThroughWall(const gridmap::Grid& grid, const core::Point2& from, const core::Point2& to) {
+  const double length_m = core::distance(from, to), step_m = grid.cellSize();
+  const auto at = [&](double along_m) {
+    const double share = along_m / length_m;
+    return core::Point2{from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)};
+  };
+  const auto isClear = [&](double along_m) {
+    const auto cell = cellAt(grid, at(along_m));
+    if (!cell || !cell->nearSurface()) return true;
+    const double cells = core::hypot(cell->to_x, cell->to_y);
+    return cells * step_m > kClear_m / 2;
+  };
+  for (double along_m = kClear_m; along_m + kClear_m < length_m; along_m += step_m) {
+    const auto cell = cellAt(grid, at(along_m));
+    if (cell && cell->occupied() && isClear(along_m - kClear_m) && isClear(along_m + kClear_m)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 FieldMatch alignToField(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
@@ -172,6 +203,20 @@ double fieldScore(const std::vector<SurfacePoint>& points, const gridmap::Grid& 
     sum += root * root;
   }
   return count ? sum / count : 0;
+}
+
+double fieldTold(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
+                 const core::Pose2& T_map_robot, int stride) {
+  const core::RigidMotion2 T(T_map_robot);
+  const core::Point2 robot = core::position(T_map_robot);
+  int told = 0, count = 0;
+  for (size_t i = 0; i < points.size(); i += static_cast<size_t>(stride)) {
+    ++count;
+    const core::Point2 p = T * points[i].p;
+    const auto cell = cellAt(grid, p);
+    told += (cell && (cell->seen() || cell->nearSurface())) || goesThroughWall(grid, robot, p);
+  }
+  return count ? static_cast<double>(told) / count : 0;
 }
 
 }  // namespace slam::scanmatch

@@ -51,4 +51,10 @@ FieldMatch alignToField(const std::vector<SurfacePoint>& points, const gridmap::
 double fieldScore(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
                   const core::Pose2& T_map_robot, double kernel_m, int stride);
 
+/// The share of every stride-th point of which the grid says anything at a pose: that lies near a surface, or
+/// where it was looked, or beyond a wall from the robot. The rest is new. Cost: a look at the grid per cell
+/// between robot and point.
+double fieldTold(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
+                 const core::Pose2& T_map_robot, int stride);
+
 }  // namespace slam::scanmatch

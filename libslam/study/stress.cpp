@@ -189,6 +189,7 @@ std::string unprovenText(const std::vector<double>& values, const std::vector<Po
 std::string textOf(const std::vector<double>& values, const std::vector<Point>& points,
                    const StressLimits& limits) {
   std::vector<bool> is_broken;
+  is_broken.reserve(points.size());
   for (const auto& point : points) is_broken.push_back(point.isBroken(limits));
   const std::size_t count = values.size();
   std::size_t below = 0, above = 0;  // values broken without a gap from either end

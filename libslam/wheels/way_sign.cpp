@@ -10,6 +10,8 @@ namespace {
 
 /// As if so many metres had been driven before, one of them the other way: nobody knows the robot.
 constexpr double kBefore_m = 2.7, kReversedBefore_m = 1;
+/// A metre that was counted backwards shows more than so many that went as counted.
+constexpr double kCountedBackwards = 10;
 /// A match is of a step that went as counted, or the other way, when it lies nearer to that than this share
 /// of the step.
 constexpr double kNear = 0.5;
@@ -20,7 +22,8 @@ void WaySign::learn(const core::Pose2& T_wheels, const core::Pose2& T_matched, d
   const double way_m = core::hypot(T_wheels.x, T_wheels.y);
   if (!(told >= kTold) || !(way_m > 0) || !(way_m < kMostStep_m)) return;
   const double near_m = kNear * way_m;
-  if (core::hypot(T_matched.x - T_wheels.x, T_matched.y - T_wheels.y) < near_m) kept_m_ += way_m;
+  if (core::hypot(T_matched.x - T_wheels.x, T_matched.y - T_wheels.y) < near_m)
+    kept_m_ += T_wheels.x < 0 ? kCountedBackwards * way_m : way_m;
   if (core::hypot(T_matched.x + T_wheels.x, T_matched.y + T_wheels.y) < near_m) reversed_m_ += way_m;
 }
 

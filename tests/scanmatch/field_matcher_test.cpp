@@ -193,5 +193,32 @@ TEST(FieldMatcher, TheScoreIsBestAtTheTruth) {
     EXPECT_LT(fieldScore(points, grid, off, 0.1, 1), best - 0.05);
 }
 
+TEST(FieldTold, IsWhatLiesOnSurfacesInSightOrBehindThem) {
+  // From the origin ahead to a wall 3 m away, which ends 1 m to the left.
+  const std::vector<Wall> wall = {{{3, -6}, {3, 1}}};
+  const gridmap::Grid grid = gridOf(wall, {{0, 0, 0}});
+  const auto told = [&](const core::Point2& p, const core::Pose2& T = {}) {
+    SurfacePoint point{};
+    point.p = core::inverse(T) * p;
+    return fieldTold({point}, grid, T, 1) == 1;
+  };
+  EXPECT_TRUE(told({3, 0}));                        // on the wall
+  EXPECT_TRUE(told({1.5, 0.2}));                    // where beams went
+  EXPECT_TRUE(told({14, 1}));                       // through the wall, farther than beams went
+  EXPECT_FALSE(told({12, 9}));                      // past its end, as far
+  EXPECT_FALSE(told({-4, 0}));                      // behind the robot
+  EXPECT_FALSE(told({3.02, -13}, {3.02, 0.9, 1}));  // along the wall, and beyond
+  EXPECT_TRUE(told({14, -4}, {0, -4, 1}));          // as seen from the pose
+}
+
+TEST(FieldTold, IsAShare) {
+  const gridmap::Grid grid = gridOf({{{3, -6}, {3, 1}}}, {{0, 0, 0}});
+  std::vector<SurfacePoint> points(4);
+  points[0].p = {3, 0}, points[1].p = {-4, 0}, points[2].p = {-5, 0}, points[3].p = {-6, 0};
+  EXPECT_EQ(fieldTold(points, grid, {}, 1), 0.25);
+  EXPECT_EQ(fieldTold(points, grid, {}, 2), 0.5);
+  EXPECT_EQ(fieldTold({}, grid, {}, 1), 0);
+}
+
 }  // namespace
 }  // namespace slam::scanmatch

@@ -16,8 +16,15 @@ TEST(WaySign, AtFirstASignIsHardlyBelieved) {
 
 TEST(WaySign, EveryMetreThatWentAsCountedSpeaksForTheSign) {
   WaySign sign;
-  for (int i = 0; i < 200; ++i) sign.learn(kBehind, {-0.45, 0.05, 0}, 1);
+  for (int i = 0; i < 200; ++i) sign.learn(kAhead, {0.45, 0.05, 0}, 1);
   EXPECT_NEAR(sign.against(), std::log(102.7), 1e-9);
+}
+
+TEST(WaySign, WheelsThatCountAMetreBackwardsKnowTheirSign) {
+  WaySign ahead, behind;
+  for (int i = 0; i < 20; ++i) ahead.learn(kAhead, kAhead, 1), behind.learn(kBehind, kBehind, 1);
+  EXPECT_NEAR(ahead.against(), std::log(12.7), 1e-9);
+  EXPECT_NEAR(behind.against(), std::log(102.7), 1e-9);
 }
 
 TEST(WaySign, MetresThatWentTheOtherWaySpeakAgainstIt) {

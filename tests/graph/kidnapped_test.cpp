@@ -1,0 +1,59 @@
+#include <gtest/gtest.h>
+
+#include "libslam/graph/graph_slam.h"
+#include "tests/graph/drawn_drives.h"
+
+namespace slam::graph {
+namespace {
+
+using namespace test_drives;
+
+/// A hall of 12 x 9 m in which everything stands askew.
+std::vector<Wall> furnishedHall() {
+  auto walls = rectangle(0, 0, 12, 9);
+  const double boxes[][4] = {{1, 1, 2.2, 1.6},   {4, 0, 4.5, 1.1},   {9, 0.8, 10.1, 2.1}, {11.2, 4, 12, 5.6},
+                             {8, 7.7, 9.3, 8.4}, {5.4, 8.5, 6, 9},   {2.1, 7, 2.6, 8.2},  {0, 4.4, 0.7, 5.1},
+                             {5, 4, 6.2, 5},     {7.3, 3, 7.6, 3.4}, {3, 4.1, 3.3, 4.7}};
+  for (const auto& b : boxes) {
+    const auto box = rectangle(b[0], b[1], b[2], b[3]);
+    walls.insert(walls.end(), box.begin(), box.end());
+  }
+  return walls;
+}
+
+std::vector<core::Pose2> round(const core::Point2& centre, double radius_x_m, double radius_y_m, int steps,
+                               int from = 0) {
+  std::vector<core::Pose2> path;
+  for (int i = from; i < from + steps; ++i) {
+    const double a = 0.05 * i;
+    path.push_back({centre.x + radius_x_m * std::cos(a), centre.y + radius_y_m * std::sin(a),
+                    std::atan2(radius_y_m * std::cos(a), -radius_x_m * std::sin(a))});
+  }
+  return path;
+}
+
+int joinedAt(const GraphSlam& graph) {
+  for (const auto& entry : graph.journal())
+    if (entry.event == core::JournalEvent::kRecovered) return entry.scan;
+  return -1;
+}
+
+// Where no place beside it is like its own, a kidnapped robot need not leave the room to be joined.
+TEST(Kidnapped, IsJoinedInAFurnishedHallAfterAShortWay) {
+  auto path = round({6, 4.5}, 4.5, 2.6, 150);
+  const size_t carried = path.size();
+  // On a circle of 2.5 m, for half a minute.
+  const auto after = round({8.6, 5.9}, 1.25, 1.25, 150, 40);
+  path.insert(path.end(), after.begin(), after.end());
+  Lidar lidar;
+  lidar.beams = 360, lidar.fov_rad = 2 * core::kPi * 359 / 360;
+  auto log = drive(furnishedHall(), path, lidar, 0);
+  log.increments[carried] = {0.05, 0, 0.05};
+  GraphSlam graph{keyframes::GraphOptions()};
+  for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
+  EXPECT_GT(joinedAt(graph), static_cast<int>(carried));
+  EXPECT_LT(worstError(graph.poses(), log.truth), 0.1);
+}
+
+}  // namespace
+}  // namespace slam::graph
