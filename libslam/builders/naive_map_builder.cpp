@@ -88,7 +88,7 @@ bool NaiveMapBuilder::isDrawnAfter(const core::Pose2& increment) const {
 
 void NaiveMapBuilder::draw(const mrpt::obs::CSensoryFrame& observations) {
   for (size_t i = 0; i < observations.size(); ++i) {
-    const auto observation = observations.getObservationByIndex(i);
+    const auto& observation = observations.getObservationByIndex(i);
     const auto scan = std::dynamic_pointer_cast<mrpt::obs::CObservation2DRangeScan>(observation);
     if (!scan) continue;
     if (options_.draw == "rays")

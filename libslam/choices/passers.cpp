@@ -169,6 +169,7 @@ void Passers::takeOutSmallThings(paths::FreeSpace& space) const {
     if (is_known[cell] || space.state[cell] != paths::kOccupiedCell) continue;
     const auto thing = thingAt(space, cell, is_known);
     std::vector<Point2> places;
+    places.reserve(thing.size());
     for (const std::size_t part : thing) places.push_back(space.centreOf(part));
     const bool is_seen = std::any_of(places.begin(), places.end(), [&](const Point2& p) {
       return seen_now_.count(placeOf(p, space.resolution_m)) != 0;
