@@ -273,15 +273,15 @@ void ParticleFilter::findPlace(const std::vector<SurfacePoint>& points, const st
       (lost_ ? options_.insert_score : options_.lost_score)) {
     if (!lost_) note(core::JournalEvent::kLost, step_.score);
     step_.lost = lost_ = true;
-    if (!points.empty()) ++lost_scans_;
     moveAll(motion);
+    if (!points.empty()) ++lost_scans_, lost_m_ += core::hypot(velocity_.x, velocity_.y);
     const Eigen::Matrix3d covariance = motion ? motion->covariance : unknownCovariance();
     trackDrift(T_before, rotated(covariance, T_before.phi), Eigen::Matrix3d::Identity());
     since_keyframe_ = since_keyframe_ * Motion{velocity_, covariance};
     return;
   }
   if (lost_) note(core::JournalEvent::kRecovered, step_.score);
-  lost_ = false, lost_scans_ = 0;
+  lost_ = false, lost_scans_ = 0, lost_m_ = 0;
   if (step_.score < options_.insert_score) note(core::JournalEvent::kPoor, step_.score);
   if (step_.degenerate) {
     const double share = guidance.match.fixed_sigma_m / guidance.match.free_sigma_m;
@@ -315,10 +315,11 @@ const ParticleStep& ParticleFilter::update(const lidar::Scan& scan, const std::o
   } else {
     previous_time_s_ = scan.time_s;
   }
-  const bool restarted = mapping_ && lost_ && lost_scans_ >= options_.lost_scans;
+  const bool restarted =
+      mapping_ && lost_ && (lost_scans_ >= options_.lost_scans || lost_m_ >= options_.lost_m);
   if (restarted) {
     note(core::JournalEvent::kRestarted, lost_scans_);
-    lost_ = false, lost_scans_ = 0;
+    lost_ = false, lost_scans_ = 0, lost_m_ = 0;
   }
   const core::Pose2 T = particles_[best_].T_raster_robot;
   past_->nextScan(core::distance(T_before, T));

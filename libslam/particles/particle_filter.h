@@ -36,6 +36,7 @@ struct ParticleFilterOptions {
   double proposal_scale, evidence_scale, resample_below;
   double distrust_score, insert_score, lost_score;
   int lost_scans;
+  double lost_m;
   double hit_probability, pass_probability;
   bool loops;
   ParticleFilterOptions();
@@ -94,8 +95,8 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 ///
 /// Lost: a scan moves no particle but by the odometry, and enters no map, when the map explains less than
 /// lost_score of what it says anything of; so do those after it, until the map explains insert_score of one.
-/// Of scans that lie on new ground nearly whole, odometry decides. After lost_scans of them
-/// with returns the filter gives the old map up for the place where it is: it draws the scan at the
+/// Of scans that lie on new ground nearly whole, odometry decides. After lost_scans of them with returns, or
+/// lost_m metres, the filter gives the old map up for the place where it is: it draws the scan at the
 /// odometry's pose and goes on from there.
 ///
 /// Reach: scans enter the maps up to rays.max_range_m. A scan of which more than a quarter of the returns lie
@@ -234,6 +235,7 @@ class ParticleFilter {
   wheels::WaySign way_sign_;
   double previous_time_s_ = 0;
   int lost_scans_ = 0;  ///< with returns, since the filter is lost
+  double lost_m_ = 0;   ///< driven in them
   bool lost_ = false;
   /// Of the best particle against the map, since the last keyframe.
   Eigen::Matrix3d local_covariance_ = Eigen::Matrix3d::Zero();

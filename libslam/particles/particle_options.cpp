@@ -45,6 +45,7 @@ const files::ParameterTable<ParticleFilterOptions>& ParticleFilterOptions::table
        {"insert_score", &O::insert_score, 0.6, 0.0, 1.0, "a scan of which the map explains less is inserted"},
        {"lost_score", &O::lost_score, 0.4, 0.0, 1.0, "below this the filter calls itself lost"},
        {"lost_scans", &O::lost_scans, 50, 1, 1000000, "lost for so many, it draws on from where it is"},
+       {"lost_m", &O::lost_m, 3.0, 0.1, 1e6, "or over so many metres: what it sees then is new"},
        {"hit_probability", &O::hit_probability, 0.8, 0.51, 0.97, "occupied, where one scan has a return"},
        {"pass_probability", &O::pass_probability, 0.45, 0.12, 0.49, "occupied, where one scan saw through"},
        {"loops", &O::loops, true, "look for places seen again, and correct the past by them"}});

@@ -151,6 +151,18 @@ TEST(ParticleFilter, KidnappedItSaysSoAndMapsOnFromWhereItIs) {
   EXPECT_LT(filter.bytes(), 2 * bytes);
 }
 
+TEST(ParticleFilter, KidnappedItMapsOnBeforeItHasGoneFar) {
+  auto some = options();
+  some.lost_m = 0.28;
+  ParticleFilter filter(some, 1);
+  run(filter, 60);
+  int lost = 0;
+  for (const auto& entry : mapping::test::driveThroughRoom(20).entries)  // 0.06 m a scan
+    lost += filter.update(entry.scan, motionOf(entry.T_previous_robot)).lost;
+  EXPECT_EQ(lost, 6);  // the first did not move
+  EXPECT_EQ(count(filter, "restarted"), 1);
+}
+
 TEST(ParticleFilter, TheJournalCountsWhatTheStepsSay) {
   ParticleFilter filter(options(), 1);
   int resampled = 0, distrusted = 0, degenerate = 0;
