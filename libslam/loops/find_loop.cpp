@@ -37,6 +37,7 @@ constexpr double kNoGap_m = 0.5;
 /// Half of the points lie within this distance of the robot.
 double viewRadius(const std::vector<Point2>& points) {
   std::vector<double> distances;
+  distances.reserve(points.size());
   for (const auto& p : points) distances.push_back(core::hypot(p.x, p.y));
   return core::middleValue(std::move(distances));
 }
@@ -89,6 +90,7 @@ std::vector<int> LoopCloser::loopCandidates(const keyframes::LoopSearch& search)
   }
   std::sort(by_distance.begin(), by_distance.end());
   std::vector<int> candidates;
+  candidates.reserve(by_distance.size());
   for (const auto& [away_m, old] : by_distance) candidates.push_back(old);
   return candidates;
 }

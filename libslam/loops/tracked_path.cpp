@@ -116,7 +116,7 @@ keyframes::PoseError TrackedPath::errorOf(const scanmatch::MatchEvidence& eviden
   const Eigen::Matrix3d odometry = scanmatch::turned(placed.odometry_covariance, -T_before.phi);
   const Eigen::Matrix3d posterior = keyframes::matchOptions(1).information_scale * evidence.information() +
                                     scanmatch::covarianceOf(odometry);
-  const keyframes::PoseError error =
+  keyframes::PoseError error =
       keyframes::errorAfterMatch(*map_, evidence, posterior, placed.T_map_robot,
                                  {T_before, map_->keyframe(anchor_).covariance, odometry});
   // The first keyframe lies where it lies; what it saw does not.

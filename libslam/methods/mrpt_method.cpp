@@ -70,7 +70,7 @@ void feed(mrpt::slam::CMetricMapBuilder& builder, const std::shared_ptr<CActionR
     auto observation = lidar::toMrpt(seen);
     observation->timestamp = stamp;
     // MRPT's ICP counts the way since the last insertion lidar by lidar, by their labels.
-    if (frame.size() > 0) observation->sensorLabel += " " + std::to_string(frame.size() + 1);
+    if (!frame.empty()) observation->sensorLabel += " " + std::to_string(frame.size() + 1);
     frame.insert(observation);
   };
   insert(step.scan);

@@ -80,6 +80,7 @@ std::vector<core::Point2> LidarView::outline(double reach_m) const {
       ends.emplace_back(bearing(i), std::min(depths_m_[i], reach_m));
   std::sort(ends.begin(), ends.end());
   std::vector<core::Point2> border;
+  border.reserve(ends.size() + 1);
   for (const auto& [bearing_rad, depth_m] : ends)
     border.push_back({T_robot_lidar_.x + depth_m * core::cos(bearing_rad),
                       T_robot_lidar_.y + depth_m * core::sin(bearing_rad)});

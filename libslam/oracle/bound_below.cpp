@@ -225,6 +225,7 @@ Places placesOf(const Floor& floor, const std::vector<std::int32_t>& owner,
 /// The way to where the last of what may not be missed comes into sight.
 double farthest(const std::vector<Witness>& witnesses, double spare_cells, double resolution_m) {
   std::vector<std::pair<std::int32_t, double>> by_moves;
+  by_moves.reserve(witnesses.size());
   for (const auto& witness : witnesses) by_moves.emplace_back(-witness.moves, witness.cells);
   std::sort(by_moves.begin(), by_moves.end());
   double missed = 0;

@@ -55,6 +55,7 @@ std::vector<double> CoarseWays::lengths(PathPlanner::Node from,
   constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::max();
   std::vector<std::int32_t> cost(open_.size(), kFar);
   std::vector<std::size_t> wanted;
+  wanted.reserve(to.size());
   for (const auto node : to) wanted.push_back(blockOf(node));
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
