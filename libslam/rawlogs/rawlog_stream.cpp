@@ -5,6 +5,7 @@
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPosePDF.h>
 #include <mrpt/rtti/CObject.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/serialization/CSerializable.h>
@@ -99,6 +100,63 @@ bool isLogEntry(const mrpt::rtti::TRuntimeClassId& id) {
          id.derivedFrom(CLASS_ID(CObservation)) || id.derivedFrom(CLASS_ID(CAction));
 }
 
+/// Looks at what MRPT reads, piece by piece, for what it would believe to its ruin, and throws before it
+/// does.
+class ObjectCheck {
+ public:
+  void take(std::string_view text) {
+    if (isNamed(text, "CObservation2DRangeScan")) {
+      begin(Inside::kScan);
+    } else if (isNamed(text, "CActionRobotMovement2D")) {
+      begin(Inside::kMotion);
+    } else if (text.size() == sizeof(std::uint32_t)) {
+      if (!is_old_version_) takeWord(text);
+      is_old_version_ = false;
+    } else if (inside_ == Inside::kMotion && text.size() > sizeof(std::uint32_t)) {
+      takeName(std::string(text));
+    }
+    is_old_layout_ = text.size() == 3;  // the rest of a length in four bytes
+  }
+
+ private:
+  enum class Inside { kOther, kScan, kMotion };
+
+  /// With a namespace or, as in old logs, without.
+  static bool isNamed(std::string_view text, std::string_view name) {
+    return text.size() >= name.size() && text.substr(text.size() - name.size()) == name;
+  }
+
+  void begin(Inside inside) {
+    inside_ = inside, words_ = 0;
+    is_old_version_ = is_old_layout_;  // in four bytes, too
+  }
+
+  void takeWord(std::string_view text) {
+    std::uint32_t word = 0;
+    std::memcpy(&word, text.data(), sizeof word);  // both have the least byte first
+    ++words_;
+    // The number of beams stands third in a scan, behind its field of view and its longest range. MRPT makes
+    // room for it without a look at whether there is any, and would write to nowhere.
+    if (inside_ == Inside::kScan && words_ == 3 && word > kMostBeams) throw std::bad_alloc();  // passes MRPT
+    // First in a motion: 0 where its odometry follows, which is read as what it is.
+    if (inside_ == Inside::kMotion && words_ == 1 && word == 0) inside_ = Inside::kOther;
+  }
+
+  /// Of a motion's distribution. MRPT reads whatever object is there, has none when it is no distribution,
+  /// and copies that.
+  void takeName(const std::string& name) {
+    inside_ = Inside::kOther;
+    const auto* id = mrpt::rtti::findRegisteredClass(name);
+    if (!id || !id->derivedFrom(CLASS_ID(mrpt::poses::CPosePDF)))
+      throw std::runtime_error("a motion without a distribution");
+  }
+
+  static constexpr std::uint32_t kMostBeams = 10'000'000;
+  Inside inside_ = Inside::kOther;
+  int words_ = 0;
+  bool is_old_layout_ = false, is_old_version_ = false;
+};
+
 /// Of the stack, for objects inside objects: thousands of them.
 constexpr std::ptrdiff_t kDeepestNesting_bytes = 1 << 20;
 
@@ -113,7 +171,7 @@ class CopyingStream : public mrpt::io::CStream {
     const size_t read = source_.Read(buffer, count);
     const std::string_view text(static_cast<const char*>(buffer), read);
     copy_.append(text);
-    checkScan(text);
+    check_.take(text);
     return read;
   }
   size_t Write(const void*, size_t) override { notOffered("writing"); }
@@ -122,21 +180,9 @@ class CopyingStream : public mrpt::io::CStream {
   std::uint64_t getPosition() const override { return source_.getPosition(); }
 
  private:
-  /// The number of beams is what stands third among the values of four bytes in a scan, behind its field of
-  /// view and its longest range. MRPT makes room for it without a look at whether there is any, and would
-  /// write to nowhere.
-  void checkScan(std::string_view text) {
-    if (text == "mrpt::obs::CObservation2DRangeScan") words_of_scan_ = 0;
-    if (text.size() != sizeof(std::uint32_t) || ++words_of_scan_ != 3) return;
-    std::uint32_t beams = 0;
-    std::memcpy(&beams, text.data(), sizeof beams);  // both have the least byte first
-    if (beams > kMostBeams) throw std::bad_alloc();  // which MRPT lets pass as it is
-  }
-
-  static constexpr std::uint32_t kMostBeams = 10'000'000;
   UnpackingStream& source_;
   std::string& copy_;
-  std::uint64_t words_of_scan_ = 3;
+  ObjectCheck check_;
   const char* const outermost_ = static_cast<const char*>(__builtin_frame_address(0));
 };
 

@@ -222,6 +222,29 @@ TEST(LogReader, RefusesAScanOfImpossibleSizeAsCorrupt) {
   EXPECT_GE(refused, 1);
 }
 
+// Where MRPT expects a distribution it takes nothing else, and copies what it has not got.
+TEST(LogReader, RefusesAMotionWithAPoseWhereItsDistributionBelongs) {
+  const testing::TempFolder folder;
+  writeLog(sampleEntries(3), folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);
+  const auto plain = unpacked(folder / "a.rawlog");
+  const std::string action = "mrpt::obs::CActionRobotMovement2D";
+  const auto errorWith = [&](char version, const std::string& method) {
+    auto damaged = plain;
+    const size_t at = damaged.rfind(action) + action.size();
+    damaged[at] = version;
+    damaged.replace(at + 1, 4, method);
+    writeBytes(damaged, folder / "damaged.rawlog");
+    const auto outcome = readOutcome(folder / "damaged.rawlog");
+    EXPECT_EQ(outcome.entries, 2U);
+    return outcome.error;
+  };
+  const std::string scan_matching("\1\0\0\0", 4);
+  for (const char version : {'\2', '\3', '\4', '\7'})
+    EXPECT_THAT(errorWith(version, scan_matching), HasSubstr("(an entry that cannot be read), after 4 good"));
+  // The first two versions have the distribution before the method.
+  EXPECT_THAT(errorWith('\0', ""), HasSubstr("(an entry that cannot be read), after 4 good"));
+}
+
 TEST(LogReader, RefusesEntriesNestedWithoutEnd) {
   const testing::TempFolder folder;
   writeLog(sampleEntries(1), folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame);

@@ -67,6 +67,24 @@ TEST(LogReader, ReadsSeveralGzipMembersInARow) {
   EXPECT_EQ(readLog(folder / "twice.rawlog").size(), 6U);
 }
 
+// Before MRPT 0.5.5: the length of the name and the version in four bytes each, and no mark at the end.
+TEST(LogReader, ReadsScansInTheLayoutOfOldLogs) {
+  const testing::TempFolder folder;
+  {
+    RawObjects log(folder / "a.rawlog");
+    log << rawScan(kStart_s, "L");
+  }
+  const auto plain = unpacked(folder / "a.rawlog");
+  const size_t length = plain[0] & 0x7F;
+  const std::string zeros(3, '\0'), name = plain.substr(1, length);
+  writeBytes(static_cast<char>(length) + zeros + name + plain[1 + length] + zeros +
+                 plain.substr(2 + length, plain.size() - length - 3),
+             folder / "old.rawlog");
+  const auto entries = readLog(folder / "old.rawlog");
+  ASSERT_EQ(entries.size(), 1U);
+  EXPECT_EQ(entries[0].scan.ranges_m, std::vector<float>(5, 2.0F));
+}
+
 TEST(LogReader, SkipsAndCountsWhatIsNeitherScanNorOdometry) {
   const testing::TempFolder folder;
   {
