@@ -12,7 +12,7 @@ namespace {
 
 using mapping::test::isCovariance;
 
-constexpr int kMostSteps = 60;
+constexpr int kMostSteps = 60;  // run.sh knows how many bytes these are
 
 void require(bool holds) {
   if (!holds) std::abort();

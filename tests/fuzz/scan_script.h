@@ -23,7 +23,7 @@ class ScanScript {
   ScanScript(const std::uint8_t* data, std::size_t size, double leap_m)
       : at_(data), end_(data + size), leap_m_(leap_m) {
     lidar_.time_s = 1000;
-    lidar_.ranges_m.resize(2 + std::size_t{next()});
+    lidar_.ranges_m.resize(2 + std::size_t{next()} / 4);  // few, for many drives
     const double fov_rad = (next() + 1) / 256.0 * 2 * core::kPi;
     lidar_.step_rad = fov_rad / static_cast<double>(lidar_.ranges_m.size());
     lidar_.first_angle_rad = next() / 128.0 * core::kPi - core::kPi;
