@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -62,8 +63,13 @@ ThreadTeam::ThreadTeam(int threads) {
   if (threads < 1) throw ContractError("ThreadTeam: threads must be at least 1");
   if (threads == 1) return;
   shared_ = std::make_unique<Shared>();
-  for (int i = 1; i < threads; ++i)
-    shared_->threads.emplace_back([shared = shared_.get()] { shared->wait(); });
+  shared_->threads.reserve(static_cast<size_t>(threads - 1));
+  try {
+    for (int i = 1; i < threads; ++i)
+      shared_->threads.emplace_back([shared = shared_.get()] { shared->wait(); });
+  } catch (const std::system_error&) {
+    // A limit on threads or memory: those that there are do the work.
+  }
 }
 
 ThreadTeam::ThreadTeam(ThreadTeam&&) noexcept = default;

@@ -10,7 +10,8 @@ namespace slam::core {
 /// but the time.
 class ThreadTeam {
  public:
-  /// `threads` in all, the caller's own among them; 1 starts none. REQUIRES threads >= 1 (ContractError).
+  /// `threads` in all, the caller's own among them; 1 starts none. Where the system has not as many, what it
+  /// has. REQUIRES threads >= 1 (ContractError).
   explicit ThreadTeam(int threads);
   ThreadTeam(ThreadTeam&&) noexcept;
   ThreadTeam& operator=(ThreadTeam&&) noexcept;

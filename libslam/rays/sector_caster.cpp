@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "libslam/core/error.h"
+#include "libslam/core/thread_team.h"
 #include "libslam/rays/ray_walk.h"
 
 namespace slam::rays {
@@ -291,11 +291,9 @@ void SectorCaster::castScans(const std::vector<core::Pose2>& T_world_lidars, con
   };
   const size_t workers =
       std::clamp<size_t>(static_cast<size_t>(std::max(threads, 1)), 1, std::max<size_t>(scans, 1));
-  std::vector<std::thread> others;
-  for (size_t w = 1; w < workers; ++w)
-    others.emplace_back(castFrom, scans * w / workers, scans * (w + 1) / workers);
-  castFrom(0, scans / workers);
-  for (auto& other : others) other.join();
+  core::ThreadTeam(static_cast<int>(workers)).forEach(workers, [&](size_t w) {
+    castFrom(scans * w / workers, scans * (w + 1) / workers);
+  });
 }
 
 }  // namespace slam::rays

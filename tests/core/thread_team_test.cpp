@@ -1,8 +1,11 @@
 #include "libslam/core/thread_team.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -58,6 +61,24 @@ TEST(ThreadTeam, ThrowsTheErrorOfTheFirstJobAlsoWhenAnotherFailsBefore) {
     }
   }
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)  // with which no limit on addresses is kept
+/// As in a container whose number of threads is limited; what ended the program before.
+TEST(ThreadTeamDeathTest, WorksWithTheThreadsThatThereAre) {
+  const auto doJobs = [] {
+    rlimit limit{};
+    getrlimit(RLIMIT_AS, &limit);
+    limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, rlim_t{1} << 30);  // stacks of 8 MiB for some 100
+    setrlimit(RLIMIT_AS, &limit);
+    ThreadTeam team(1000);
+    std::atomic<int> done{0};
+    team.forEach(2000, [&](size_t) { ++done; });
+    return done == 2000;
+  };
+  EXPECT_EXIT(std::exit(doJobs() ? 0 : 1), ::testing::ExitedWithCode(0), "");
+}
+#endif
 
 TEST(ThreadTeam, NeedsAThread) {
   EXPECT_THROW(ThreadTeam{0}, ContractError);
