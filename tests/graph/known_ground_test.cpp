@@ -6,55 +6,12 @@
 #include "libslam/core/random.h"
 #include "libslam/graph/change_marks.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/keyframes/links.h"
 #include "tests/graph/drawn_drives.h"
 
 namespace slam::graph {
 namespace {
 
 using namespace test_drives;
-
-TEST(Links, GoOnByTheNearestWhereAKeyframeIsTakenOut) {
-  keyframes::Links links;
-  std::vector<core::Pose2> poses;
-  for (int k = 0; k < 6; ++k) poses.push_back({1.0 * k, 0, 0}), links.addKeyframe();
-  for (int k = 1; k < 6; ++k) links.join(k - 1, k, 1);
-  ASSERT_EQ(links.around(poses, 0, {0, 0}, 10, 10).size(), 6U);
-  links.remove(3);
-  const auto reached = links.around(poses, 0, {0, 0}, 10, 10);
-  ASSERT_EQ(reached.size(), 5U);
-  EXPECT_EQ(reached.back().second, 5);
-  // As long as it was: five metres to the last one.
-  EXPECT_EQ(links.around(poses, 0, {0, 0}, 4.9, 10).size(), 4U);
-  EXPECT_EQ(links.around(poses, 0, {0, 0}, 5.1, 10).size(), 5U);
-}
-
-TEST(Links, ShortestWaysAreThoseOfAllPathsThroughClosures) {
-  core::RandomStream random(3, "closures");
-  std::vector<double> path_m{0};
-  for (int k = 1; k < 60; ++k) path_m.push_back(path_m.back() + random.uniform(0.1, 3));
-  for (int closures = 0; closures < 8; ++closures) {
-    std::vector<std::pair<int, int>> pairs;
-    for (int c = 0; c < closures; ++c)
-      pairs.push_back({static_cast<int>(random.uniform(0, 59.9)), static_cast<int>(random.uniform(0, 59.9))});
-    // By Bellman's rule: no edge shortens anything any more.
-    std::vector<double> way(60, 1e300);
-    way[50] = 0;
-    for (int round = 0; round < 130; ++round) {
-      for (size_t k = 1; k < 60; ++k) {
-        const double step_m = path_m[k] - path_m[k - 1];
-        way[k] = std::min(way[k], way[k - 1] + step_m), way[k - 1] = std::min(way[k - 1], way[k] + step_m);
-      }
-      for (const auto& [a, b] : pairs) {
-        auto &at_a = way[static_cast<size_t>(a)], &at_b = way[static_cast<size_t>(b)];
-        at_a = at_b = std::min(at_a, at_b);
-      }
-    }
-    const auto ways = keyframes::shortestWays(path_m, pairs, 50);
-    ASSERT_EQ(ways.size(), 50U);
-    for (size_t k = 0; k < 50; ++k) EXPECT_NEAR(ways[k], way[k], 1e-9) << closures << " closures, " << k;
-  }
-}
 
 TEST(ChangeMarks, BelieveWhatStays) {
   ChangeMarks marks;

@@ -47,7 +47,7 @@ tests_of() {
     methods) echo mapping ;;
     goals) echo navigate ;;
     drafting) echo check ;;
-    keyframes) echo graph ;;
+    keyframes) echo "keyframes graph" ;;
     loops) echo "loops graph" ;;
     choices | strategies | safety) echo "$1 navigate" ;;
     movers) echo "movers sim" ;;
