@@ -155,10 +155,12 @@ TEST(Views, ToldByAScanItselfCountsAsMuch) {
   // nothing, one or two points of forty.
   EXPECT_NEAR(against.contradicted, 0.5, 0.03);
   EXPECT_NEAR(against.telling, 1, 1e-12);
-  // Seen from 3 m aside what the keyframe saw lies elsewhere, but within the far scan's beams.
-  const Told aside = one.map.toldBy({0}, {pointAt(0, 9)}, {3, 0, 0}, &far);
+  // From 5 m below a narrow lidar looks up at all that the keyframe saw, and through it.
+  const lidar::Scan narrow = fan(60, 10);
+  const Told aside = one.map.toldBy({0}, {pointAt(0, 9)}, {0, -5, kPi / 2}, &narrow);
   EXPECT_NEAR(aside.contradicted, 1, 1e-12) << "only the scan's beams tell";
-  EXPECT_NEAR(aside.telling, 1, 0.06);
+  EXPECT_NEAR(aside.telling, 1, 1e-12);
+  EXPECT_EQ(one.map.toldBy({0}, {pointAt(0, 9)}, {0, -5, -kPi / 2}, &narrow).telling, 0) << "it looks away";
 }
 
 TEST(Views, WhatSpeaksAgainstIsAShareOfAllThatSpeaks) {
