@@ -18,11 +18,10 @@ void OdometryTally::add(std::optional<double> time_s, const core::Pose2& pose) {
     const bool may_jump = moved_m > kShortest_m && moved_m > kFast_mps * duration_s;
     const bool may_spin = turned_rad > kSmallest_rad && turned_rad > kFast_radps * duration_s;
     if (may_jump || may_spin) {
-      if (moved_m >= largest_m_) largest_m_ = moved_m, largest_at_s_ = time_s.value_or(0);
       if (may_spin || kept_.size() >= kMostKept)
-        ++sure_;
+        note(figures_, moved_m, time_s.value_or(0));
       else
-        kept_.push_back({moved_m, duration_s});
+        kept_.push_back({moved_m, turned_rad, duration_s, time_s.value_or(0)});
     } else {
       figures_.path_m += moved_m;
       figures_.turned_rad += turned_rad;
@@ -32,17 +31,22 @@ void OdometryTally::add(std::optional<double> time_s, const core::Pose2& pose) {
   last_s_ = time_s;
 }
 
+/// A jump; of equally long ones the last counts as the largest.
+void OdometryTally::note(OdometryFigures& figures, double moved_m, double at_s) {
+  ++figures.jumps;
+  if (moved_m >= figures.largest_jump_m) figures.largest_jump_m = moved_m, figures.largest_jump_at_s = at_s;
+}
+
 OdometryFigures OdometryTally::figures(const std::string& stream) const {
   OdometryFigures figures = figures_;
   figures.stream = stream;
   const double fast_mps = std::max(kFast_mps, 5 * speeds_mps_.quantile(0.95));
-  figures.jumps = sure_;
   for (const auto& suspect : kept_) {
-    const bool is_jump = suspect.moved_m > fast_mps * suspect.duration_s;
-    figures.jumps += is_jump;
-    if (!is_jump) figures.path_m += suspect.moved_m;
+    if (suspect.moved_m > fast_mps * suspect.duration_s)
+      note(figures, suspect.moved_m, suspect.at_s);
+    else
+      figures.path_m += suspect.moved_m, figures.turned_rad += suspect.turned_rad;
   }
-  if (figures.jumps > 0) figures.largest_jump_m = largest_m_, figures.largest_jump_at_s = largest_at_s_;
   return figures;
 }
 

@@ -34,15 +34,14 @@ class OdometryTally {
   static constexpr double kShortest_m = 0.5, kFast_mps = 3, kSmallest_rad = 0.5, kFast_radps = 5;
   static constexpr std::size_t kMostKept = 4096;
   struct Suspect {
-    double moved_m, duration_s;
+    double moved_m, turned_rad, duration_s, at_s;
   };
+  static void note(OdometryFigures& figures, double moved_m, double at_s);
   OdometryFigures figures_;
   std::optional<core::Pose2> last_;
   std::optional<double> last_s_;
   ThinnedSample speeds_mps_;
-  std::uint64_t sure_ = 0;
-  std::vector<Suspect> kept_;
-  double largest_m_ = -1, largest_at_s_ = 0;
+  std::vector<Suspect> kept_;  ///< what may be jumps, until it is known how fast the robot is
 };
 
 }  // namespace slam::calibration
