@@ -100,9 +100,8 @@ Fit robustFit(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, int group, dou
   return fit;
 }
 
-Estimate times(const Estimate& estimate, double factor) {
-  const double a = estimate.low * factor, b = estimate.high * factor;
-  return {estimate.value * factor, std::min(a, b), std::max(a, b)};
+Estimate dividedBy(const Estimate& estimate, double positive) {
+  return {estimate.value / positive, estimate.low / positive, estimate.high / positive};
 }
 
 void fitTurns(const std::vector<Window>& windows, OdometryFit& result) {
@@ -142,8 +141,9 @@ void fitMoves(const std::vector<Window>& windows, OdometryFit& result) {
   const double yaw = core::atan2(fit.x[1], fit.x[0]);
   result.distance_scale = {scale, scale - half_scale, scale + half_scale};
   result.lidar_yaw_rad = {yaw, yaw - half_yaw, yaw + half_yaw};
-  result.lidar_x_m = times(fit.at(2), 1);
-  result.lidar_y_m = times(fit.at(3), 1);
+  // The equation has them in the odometry's metres.
+  result.lidar_x_m = dividedBy(fit.at(2), scale);
+  result.lidar_y_m = dividedBy(fit.at(3), scale);
 }
 
 }  // namespace

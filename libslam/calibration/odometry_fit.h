@@ -16,14 +16,15 @@ struct OdometryFit {
   Estimate distance_scale;   ///< distance by the odometry over distance by the scans
   Estimate lidar_yaw_rad;    ///< of the lidar on the robot
   bool has_position = false;
-  Estimate lidar_x_m, lidar_y_m;  ///< position of the lidar on the robot (the centre of the odometry's turns)
+  /// Position of the lidar on the robot (the centre of the odometry's turns), in real metres.
+  Estimate lidar_x_m, lidar_y_m;
 };
 
 /// Windows of consecutive steps that scan matching is sure of, and the odometry over the same time, its
 /// stamps shifted by offset_s. Two robust linear fits (iterated reweighted least squares with Cauchy's
 /// weights; the intervals from the sandwich covariance, White, Econometrica 48(4), 1980):
 ///   odometry's turn = scale * scans' turn + drift * distance
-///   R(yaw) * lidar's move * scale = odometry's move + (R(turn) - I) * lidar's position
+///   R(yaw) * lidar's move * scale = odometry's move + (R(turn) - I) * lidar's position * scale
 /// the second one being the hand-eye equation of a planar robot (Censi et al., IEEE T-RO 29(2), 2013, eq. 10,
 /// where wheel radii are found too).
 OdometryFit fitOdometry(const std::vector<Stretch>& stretches, const std::string& stream, double offset_s);
