@@ -64,18 +64,40 @@ struct Fit {
   }
 };
 
+Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& matrix) {
+  return matrix.completeOrthogonalDecomposition().pseudoInverse();
+}
+
+/// Between two slices of how the scores change with the parameters the scores' own scatter. A score is weight
+/// times residual, and the weight falls as the residual grows: how the score changes is less than the weight.
+Eigen::MatrixXd sandwich(const Eigen::MatrixXd& A, const Eigen::VectorXd& residuals,
+                         const Eigen::VectorXd& weights, int group, double far) {
+  Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(A.cols(), A.cols()), meat = slope;
+  for (Eigen::Index row = 0; row < A.rows(); row += group) {
+    const Eigen::MatrixXd part = A.middleRows(row, group);
+    const Eigen::VectorXd r = residuals.segment(row, group);
+    const double w = weights[row];
+    const Eigen::MatrixXd change =
+        w * Eigen::MatrixXd::Identity(group, group) - 2 * w * w / (far * far) * r * r.transpose();
+    slope += part.transpose() * change * part;
+    const Eigen::VectorXd score = w * part.transpose() * r;
+    meat += score * score.transpose();
+  }
+  const Eigen::MatrixXd inverse = pseudoInverse(slope);
+  return inverse * meat * inverse;
+}
+
 Fit robustFit(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, int group, double least_scale) {
   constexpr int kIterations = 30;
   constexpr double kCauchy = 2.385;  // Holland and Welsch (1977): 95 % efficient under Gaussian noise
   const Eigen::Index groups = A.rows() / group;
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(A.rows());
   Fit fit;
-  Eigen::MatrixXd inverse;
   Eigen::VectorXd residuals;
+  double far = 1;  // residuals of this size have half of the weight
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Eigen::MatrixXd weighted = weights.asDiagonal() * A;
-    inverse = (A.transpose() * weighted).completeOrthogonalDecomposition().pseudoInverse();
-    const Eigen::VectorXd x = inverse * (weighted.transpose() * b);
+    const Eigen::VectorXd x = pseudoInverse(A.transpose() * weighted) * (weighted.transpose() * b);
     const bool is_still = iteration > 0 && (x - fit.x).norm() < 1e-9;
     fit.x = x;
     residuals = A * x - b;
@@ -84,19 +106,13 @@ Fit robustFit(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, int group, dou
     for (Eigen::Index g = 0; g < groups; ++g) sizes.push_back(residuals.segment(g * group, group).norm());
     // Median of the size to the deviation of one component: 0.6745 for one, 1.1774 for two (Rayleigh).
     const double scale = std::max(core::middleValue(sizes) / (group == 1 ? 0.6745 : 1.1774), least_scale);
+    far = kCauchy * scale;
     for (Eigen::Index g = 0; g < groups; ++g) {
-      const double u = sizes[static_cast<std::size_t>(g)] / (kCauchy * scale);
+      const double u = sizes[static_cast<std::size_t>(g)] / far;
       weights.segment(g * group, group).setConstant(1 / (1 + u * u));
     }
   }
-  Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(A.cols(), A.cols());
-  for (Eigen::Index g = 0; g < groups; ++g) {
-    const Eigen::VectorXd score =
-        A.middleRows(g * group, group).transpose() *
-        weights.segment(g * group, group).cwiseProduct(residuals.segment(g * group, group));
-    meat += score * score.transpose();
-  }
-  fit.covariance = inverse * meat * inverse;
+  fit.covariance = sandwich(A, residuals, weights, group, far);
   return fit;
 }
 
