@@ -4,12 +4,12 @@
 
 #include "libslam/core/error.h"
 
-namespace slam::logs {
+namespace slam::objects {
 namespace {
 
 TEST(SweepNote, ReadsBackWhatItWrote) {
-  const objects::SweepNote note{"front/scan", {0.0497, true, 0.25}};
-  const auto read = objects::parseSweepNote(objects::formatSweepNote(note));
+  const SweepNote note{"front/scan", {0.0497, true, 0.25}};
+  const auto read = parseSweepNote(formatSweepNote(note));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->label, note.label);
   EXPECT_EQ(read->sweep.duration_s, note.sweep.duration_s);
@@ -19,13 +19,13 @@ TEST(SweepNote, ReadsBackWhatItWrote) {
 
 TEST(SweepNote, OtherCommentsAreNone) {
   for (const char* text : {"", "turned the corner", "[sweep", "label = LASER\n"})
-    EXPECT_FALSE(objects::parseSweepNote(text)) << text;
+    EXPECT_FALSE(parseSweepNote(text)) << text;
 }
 
 TEST(SweepNote, ABrokenOneSaysWhatIsWrong) {
   const auto refusal = [](const std::string& text) -> std::string {
     try {
-      objects::parseSweepNote(text);
+      parseSweepNote(text);
     } catch (const core::InputError& error) {
       return error.what();
     }
@@ -38,4 +38,4 @@ TEST(SweepNote, ABrokenOneSaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace slam::logs
+}  // namespace slam::objects
