@@ -287,15 +287,11 @@ void GraphSlam::forgetWheels() {
 void GraphSlam::learnWheels(const keyframes::Expected& e, const Pose2& T, const Eigen::Matrix3d& information,
                             const Eigen::Matrix3d& posterior_information, bool is_believed) {
   const Pose2& step = e.step.T_previous_robot;
-  const auto [s, c] = core::sinCos(e.T_before.phi);
-  const Eigen::Vector3d way(c * step.x - s * step.y, s * step.x + c * step.y, 0);
-  const Eigen::Matrix3d told = posterior_information.ldlt().solve(information);
-  // Standing still odometry has nothing to say either.
-  const double way_told = way.squaredNorm() > 0 ? way.dot(told * way) / way.squaredNorm() : 1;
+  const auto told = scanmatch::toldShares(information, posterior_information, step, e.T_before.phi);
   const Pose2 matched = core::between(e.T_before, T);
-  way_sign_.learn(step, matched, way_told);
+  way_sign_.learn(step, matched, told.way);
   if (is_believed)
-    wheels_.learn(step, matched, way_told, told(2, 2));
+    wheels_.learn(step, matched, told.way, told.turn);
   else
     wheels_.endPiece();
 }

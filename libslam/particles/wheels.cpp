@@ -1,8 +1,8 @@
-#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "libslam/core/elementary.h"
 #include "libslam/particles/particle_filter.h"
+#include "libslam/scanmatch/information.h"
 
 namespace slam::particles {
 
@@ -30,15 +30,11 @@ void ParticleFilter::learnWheels(const std::optional<Motion>& motion, const core
   const Particle& best = particles_[best_];
   if (!motion || step_.lost || step_.score < options_.insert_score) return wheels_.endPiece();
   const core::Pose2& step = motion->T_previous_robot;
-  const auto [s, c] = core::sinCos(T_before.phi);
-  const Eigen::Vector3d way(c * step.x - s * step.y, s * step.x + c * step.y, 0);
-  const Eigen::Matrix3d told = best.information.ldlt().solve(best.match.information);
-  // Standing still odometry has nothing to say either.
-  const double way_told = way.squaredNorm() > 0 ? way.dot(told * way) / way.squaredNorm() : 1;
+  const auto told = scanmatch::toldShares(best.match.information, best.information, step, T_before.phi);
   const core::Pose2 matched = core::between(T_before, best.match.T_map_robot);
-  way_sign_.learn(step, matched, way_told);
+  way_sign_.learn(step, matched, told.way);
   if (step_.odometry_distrusted) return wheels_.endPiece();
-  wheels_.learn(step, matched, way_told, told(2, 2));
+  wheels_.learn(step, matched, told.way, told.turn);
 }
 
 }  // namespace slam::particles

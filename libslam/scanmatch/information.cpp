@@ -1,5 +1,6 @@
 #include "libslam/scanmatch/information.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -59,6 +60,14 @@ Eigen::Matrix3d covarianceOf(const Eigen::Matrix3d& information) {
   const double most = parts.eigenvalues().maxCoeff();
   const double floor = most > 0 ? kLeastInvertible * most : kLeastInvertible;
   return composed(parts, parts.eigenvalues().cwiseMax(floor).cwiseInverse());
+}
+
+ToldShares toldShares(const Eigen::Matrix3d& information, const Eigen::Matrix3d& posterior,
+                      const core::Pose2& T_step, double phi_rad) {
+  const auto [s, c] = core::sinCos(phi_rad);
+  const Eigen::Vector3d way(c * T_step.x - s * T_step.y, s * T_step.x + c * T_step.y, 0);
+  const Eigen::Matrix3d told = posterior.ldlt().solve(information);
+  return {way.squaredNorm() > 0 ? way.dot(told * way) / way.squaredNorm() : 1, told(2, 2)};
 }
 
 }  // namespace slam::scanmatch

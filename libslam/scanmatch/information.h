@@ -1,6 +1,8 @@
 #pragma once
 #include <Eigen/Core>
 
+#include "libslam/core/pose2.h"
+
 namespace slam::scanmatch {
 
 /// Neighbouring beams err together, and surfels are estimates: a point of a match tells a fifth of what an
@@ -19,6 +21,16 @@ Eigen::Matrix3d turned(const Eigen::Matrix3d& information, double phi_rad);
 /// the body's own. Symmetric and positive definite by construction, also where the match left directions
 /// open, or rounding has put an eigenvalue below zero: see withoutNegatives().
 Eigen::Matrix3d edgeInformation(const Eigen::Matrix3d& information, double phi_rad);
+
+/// Of what holds a match, the share that the scan told, in [0, 1]; the rest is its prior's word.
+struct ToldShares {
+  double way;   ///< along the step; 1 where that is none: standing still odometry has nothing to say either
+  double turn;  ///< of the heading
+};
+/// `information`: of the scan alone; `posterior`: of scan and prior, positive definite; map axes. `T_step`:
+/// in the frame of a robot with heading phi_rad.
+ToldShares toldShares(const Eigen::Matrix3d& information, const Eigen::Matrix3d& posterior,
+                      const core::Pose2& T_step, double phi_rad);
 
 /// The symmetric part of a matrix, with eigenvalues raised to `least_share` of the largest, and to `least`.
 /// Zero gives least times the identity. REQUIRES finite entries, least_share in [0, 1] and least >= 0.

@@ -10,7 +10,8 @@ namespace {
 
 /// As if so many metres had been driven before, one of them the other way: nobody knows the robot.
 constexpr double kBefore_m = 2.7, kReversedBefore_m = 1;
-/// A metre that was counted backwards shows more than so many that went as counted.
+/// A metre that was counted backwards, and was one, speaks for the sign as so many speak against it that were
+/// not.
 constexpr double kCountedBackwards = 10;
 /// A match is of a step that went as counted, or the other way, when it lies nearer to that than this share
 /// of the step.
@@ -23,12 +24,12 @@ void WaySign::learn(const core::Pose2& T_wheels, const core::Pose2& T_matched, d
   if (!(told >= kTold) || !(way_m > 0) || !(way_m < kMostStep_m)) return;
   const double near_m = kNear * way_m;
   if (core::hypot(T_matched.x - T_wheels.x, T_matched.y - T_wheels.y) < near_m)
-    kept_m_ += T_wheels.x < 0 ? kCountedBackwards * way_m : way_m;
+    signed_m_ += T_wheels.x < 0 ? kCountedBackwards * way_m : 0;
   if (core::hypot(T_matched.x + T_wheels.x, T_matched.y + T_wheels.y) < near_m) reversed_m_ += way_m;
 }
 
 double WaySign::against() const {
-  return core::log((kBefore_m + kept_m_ + reversed_m_) / (kReversedBefore_m + reversed_m_));
+  return core::log((kBefore_m + signed_m_ + reversed_m_) / (kReversedBefore_m + reversed_m_));
 }
 
 }  // namespace slam::wheels

@@ -49,5 +49,17 @@ TEST(Information, WithoutNegativesChangesNothingElse) {
   EXPECT_TRUE(raised.isApprox(Eigen::Matrix3d(Eigen::Vector3d(100, 1, 1).asDiagonal()), 1e-12)) << raised;
 }
 
+TEST(ToldShares, AreOfTheWayAndOfTheHeading) {
+  const Eigen::Matrix3d scan = Eigen::Vector3d(3, 1, 0.5).asDiagonal(),
+                        both = scan + Eigen::Matrix3d::Identity();
+  const auto along_x = toldShares(scan, both, {0.7, 0, 0.1}, 0),
+             along_y = toldShares(scan, both, {0.7, 0, 0.1}, core::kPi / 2),
+             standing = toldShares(scan, both, {0, 0, 0.1}, 0);
+  EXPECT_NEAR(along_x.way, 3.0 / 4, 1e-12);
+  EXPECT_NEAR(along_y.way, 1.0 / 2, 1e-12);
+  EXPECT_EQ(standing.way, 1);
+  for (const auto& told : {along_x, along_y, standing}) EXPECT_NEAR(told.turn, 1.0 / 3, 1e-12);
+}
+
 }  // namespace
 }  // namespace slam::scanmatch
