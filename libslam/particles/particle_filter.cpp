@@ -294,6 +294,14 @@ void ParticleFilter::findPlace(const std::vector<SurfacePoint>& points, const st
   since_keyframe_ = since_keyframe_ * Motion{guidance.expected, guidance.information.inverse()};
 }
 
+/// Whether the old map is given up for the place where the robot is.
+bool ParticleFilter::drawsOn() {
+  if (!mapping_ || !lost_ || (lost_scans_ < options_.lost_scans && lost_m_ < options_.lost_m)) return false;
+  note(core::JournalEvent::kRestarted, lost_scans_);
+  lost_ = false, lost_scans_ = 0, lost_m_ = 0;
+  return true;
+}
+
 const ParticleStep& ParticleFilter::update(const lidar::Scan& scan, const std::optional<Motion>& motion,
                                            const std::vector<lidar::Scan>& others) {
   if (motion && !(core::isFinite(motion->T_previous_robot) && motion->covariance.allFinite()))
@@ -315,12 +323,7 @@ const ParticleStep& ParticleFilter::update(const lidar::Scan& scan, const std::o
   } else {
     previous_time_s_ = scan.time_s;
   }
-  const bool restarted =
-      mapping_ && lost_ && (lost_scans_ >= options_.lost_scans || lost_m_ >= options_.lost_m);
-  if (restarted) {
-    note(core::JournalEvent::kRestarted, lost_scans_);
-    lost_ = false, lost_scans_ = 0, lost_m_ = 0;
-  }
+  const bool restarted = drawsOn();
   const core::Pose2 T = particles_[best_].T_raster_robot;
   past_->nextScan(core::distance(T_before, T));
   const bool is_news = step_.score < options_.insert_score ||

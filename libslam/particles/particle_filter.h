@@ -190,6 +190,7 @@ class ParticleFilter {
   static core::Pose2 mapFromRaster() { return {0, 0, -kRasterTurn_rad}; }
   std::optional<Motion> believed(std::optional<Motion> motion, double time_s);
   void learnWheels(const std::optional<Motion>& motion, const core::Pose2& T_before);
+  bool drawsOn();
   void reachFarther(const lidar::Scan& scan);
   double explained(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance,
                    bool has_motion) const;
