@@ -35,7 +35,8 @@ int main() {
   map.add(patchPoints(scanAt({}), {}), {});
   MatchOptions options;
   options.max_iterations = 50;
-  const auto match = alignToSurfels(patchPoints(scanAt(truth), {}), map, /*T_start=*/{}, /*prior=*/{}, options);
+  const auto match =
+      alignToSurfels(patchPoints(scanAt(truth), {}), map, /*T_start=*/{}, /*prior=*/{}, options);
   const Eigen::Matrix3d covariance = match.information.inverse();
   const auto& found = match.T_map_robot;
   std::printf("moved by x %.3f m, y %.3f m, %.2f degrees; sure to %.3f m, %.3f m, %.2f degrees\n", found.x,
