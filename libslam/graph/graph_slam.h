@@ -56,8 +56,8 @@ namespace slam::graph {
 /// Leaps that no robot drives are no odometry (wheels::Leaps), nor are wheels that have never moved
 /// (wheels::Silence). Odometry's noise grows with the root of time, with the metres and with the angle; how
 /// long its metres are, how it turns where the robot does not and how far its turns scatter is learnt while
-/// driving (wheels::WheelCalibration), and whether it tells forwards from backwards (wheels::WaySign). Steps are timed by the mean of the stamps of late. Each of several
-/// lidars is known by its mounting.
+/// driving (wheels::WheelCalibration), and whether it tells forwards from backwards (wheels::WaySign). Steps
+/// are timed by the mean of the stamps of late. Each of several lidars is known by its mounting.
 ///
 /// The kidnapped robot (see LostDetector): a scan that breaks with the one before and contradicts the map is
 /// held back for half a second. If that goes on, the robot maps on by itself, while it is still tracked in

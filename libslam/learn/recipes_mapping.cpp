@@ -227,7 +227,8 @@ Ring drawRing(std::uint64_t seed) {
     return ring.graph.addEdge({from, to, T_from_to * noise, loop, posegraph::EdgeKind::kLoop});
   };
   for (const int node : {round / 4, round / 2, 3 * round / 4, round}) {
-    const auto a = static_cast<std::size_t>(node), b = static_cast<std::size_t>(node) + static_cast<std::size_t>(round);
+    const auto a = static_cast<std::size_t>(node),
+               b = static_cast<std::size_t>(node) + static_cast<std::size_t>(round);
     close(node, node + round, core::between(ring.truth[a], ring.truth[b]));
   }
   ring.false_edge = close(round / 3, round + round / 3 + 3 + static_cast<int>(random.below(3)), {});
