@@ -28,6 +28,7 @@ constexpr double kShared = 0.6;
 constexpr double kMissed = 4;
 /// Two scans that contradict each other more than this are matched to each other.
 constexpr double kAskScans = 0.1;
+constexpr int kAsked = keyframes::kAskedViewers;
 constexpr double kGoldenAngle_rad = 2.399963;
 /// A wrong place that is matched nearer to the right heading is none.
 constexpr double kFoundBack_rad = 0.3;
@@ -77,12 +78,12 @@ void GraphSlam::lookWhetherLost(const lidar::Scan& scan, const std::vector<Patch
   keyframes::Told told;
   double explained = step.score;
   if (doubt_.begins < 0) {
-    told = map_->toldBy(keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers), points,
+    told = map_->toldBy(map_->viewersOf(scan, step.T_map_robot, map_keyframes_, kAsked), points,
                         step.T_map_robot, &scan);
   } else {
     told = trackBefore(scan, points, increment, explained);
     // People who walk about contradict what was seen a moment ago, too.
-    const auto own = map_->toldBy(keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers), points,
+    const auto own = map_->toldBy(map_->viewersOf(scan, step.T_map_robot, map_keyframes_, kAsked), points,
                                   step.T_map_robot, &scan);
     told.contradicted = std::max(told.contradicted - own.contradicted, 0.0);
   }
@@ -106,9 +107,10 @@ keyframes::Told GraphSlam::trackBefore(const lidar::Scan& scan, const std::vecto
   prior.mean = doubt_.T_map_robot * increment;
   prior.information = scanmatch::poseInformation(step.sigma_xy_m, step.sigma_turn_rad);
   const auto matched = keyframes::match(points, *doubt_.maps, prior.mean, prior, 0, true);
-  const auto as_matched =
-      map_->toldBy(keyframesBeforeDoubt(matched.T_map_robot), points, matched.T_map_robot, &scan);
-  const auto as_led = map_->toldBy(keyframesBeforeDoubt(prior.mean), points, prior.mean, &scan);
+  const auto toldAt = [&](const Pose2& T) {
+    return map_->toldBy(map_->viewersOf(scan, T, keyframesBeforeDoubt(T), kAsked), points, T, &scan);
+  };
+  const auto as_matched = toldAt(matched.T_map_robot), as_led = toldAt(prior.mean);
   const bool fits = as_matched.contradicted <= as_led.contradicted;
   doubt_.T_map_robot = fits ? matched.T_map_robot : prior.mean;
   doubt_.information = fits ? matched.information : prior.information;
@@ -123,8 +125,7 @@ void GraphSlam::learnWrongPlace(const lidar::Scan& scan, const std::vector<Patch
   // Often in the beginning, seldom when much is known.
   ++wrong_places_;
   if (wrong_places_ > kLearntSoon && wrong_places_ % kLearntSoon != 0) return;
-  const auto viewers = keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers);
-  if (viewers.empty() || points.empty()) return;
+  if (map_keyframes_.empty() || points.empty()) return;
   const double turn = 0.5 + std::fmod(wrong_places_ * kGoldenAngle_rad, 2 * core::kPi - 1);
   const Pose2 wrong{T_map_robot.x, T_map_robot.y, T_map_robot.phi + turn};
   scanmatch::PosePrior flat;
@@ -132,15 +133,16 @@ void GraphSlam::learnWrongPlace(const lidar::Scan& scan, const std::vector<Patch
   flat.information.setIdentity();
   const auto matched = keyframes::match(points, maps_, wrong, flat, 0, true);
   if (std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kFoundBack_rad) return;
+  const auto viewers = map_->viewersOf(scan, matched.T_map_robot, map_keyframes_, kAsked);
+  if (viewers.empty()) return;
   lost_.learnWrong(map_->toldBy(viewers, points, matched.T_map_robot, &scan).against(matched.score));
 }
 
-/// The keyframes from before the doubt that can say most of a pose: the nearest.
+/// The keyframes from before the doubt, the nearest first.
 std::vector<int> GraphSlam::keyframesBeforeDoubt(const Pose2& T_map_robot) const {
   std::vector<int> before;
   for (const int k : map_->keyframesWithin(core::position(T_map_robot), options_.map_radius_m)) {
     if (k < doubt_.begins && map_->componentOf(k) == map_->componentOf(doubt_.begins)) before.push_back(k);
-    if (static_cast<int>(before.size()) == keyframes::kAskedViewers) break;
   }
   return before;
 }
@@ -187,7 +189,7 @@ void GraphSlam::comeBack(const lidar::Scan& scan, std::vector<PatchPoint> points
   const Eigen::Matrix3d information = doubt_.information;
   const int before = map_->keyframeBefore(doubt_.begins), k = map_->size();
   forgetWheels();
-  map_keyframes_ = keyframesBeforeDoubt(T_map_robot);
+  map_keyframes_ = keyframes::firstOf(keyframesBeforeDoubt(T_map_robot), kAsked);
   T_keyframe_robot_ = core::between(map_->pose(anchor_), T_map_robot);
   noteEvidence(points, T_map_robot, doubt_.maps->fine);
   doubt_.begins = k;  // no link to the keyframe before

@@ -40,6 +40,16 @@ double LostDetector::ratio(double share, const Learnt& well) const {
   return std::clamp(gap / variance * (share - 0.5 * (wrong_.mean + well.mean)), -kMostPerLook, kMostPerLook);
 }
 
+/// The same with each as variable as it is: Student's t of 3 degrees of freedom, for the tails are long.
+double LostDetector::ratioAfterBreak(double share, const Learnt& well) const {
+  if (!std::isfinite(share) || !(wrong_.mean - well.mean > kLeastGap)) return 0;
+  const auto logDensity = [share](const Learnt& learnt) {
+    const double variance = std::max(learnt.variance, kLeastVariance), off = share - learnt.mean;
+    return -0.5 * core::log(variance) - 2 * core::log(1 + off * off / (3 * variance));
+  };
+  return std::clamp(logDensity(wrong_) - logDensity(well), -kMostPerLook, kMostPerLook);
+}
+
 /// A look, made of all that count as one: whether it speaks for another place, and did when the one before
 /// had.
 void LostDetector::countStreak(bool is_high, double news) {
@@ -90,7 +100,9 @@ void LostDetector::look(const Look& now) {
       now.may_be_lost && std::isfinite(now.broken)
           ? -std::min(kUnbroken, std::max(kUnbroken * unbroken, kPerDismissed * dismissed_))
           : -kUnbroken;
+  if (begins_now >= evidence_) began_by_break_ = begins_now > -0.5 * kUnbroken;
   double says = ratio(now.contradicted, well_);
+  if (began_by_break_) says = std::max(says, ratioAfterBreak(now.contradicted, well_));
   // What is mostly explained speaks against it, whatever the rest says.
   if (!now.may_be_lost) says = std::min(says, -0.5 * kMostPerLook);
   const bool is_high = says > 0;
@@ -99,7 +111,7 @@ void LostDetector::look(const Look& now) {
   // After the break the scans of a robot that was kidnapped fit one another; among people who walk about they
   // do not.
   if (says > 0 && evidence_ > begins_now && std::isfinite(now.broken))
-    says *= 1 - std::clamp(now.broken / std::max(wrong_.mean, kLeastGap), 0.0, 1.0);
+    says *= std::clamp(-ratioAfterBreak(now.broken, unbroken_) / kMostPerLook, 0.0, 1.0);
   evidence_ = std::max(std::max(evidence_, begins_now) + says, -kUnbroken);
   for (double* count : {&streaks_.looks, &streaks_.high}) *count *= core::exp(-news / kForgotten);
   countStreak(is_high, news);

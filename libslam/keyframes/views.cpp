@@ -154,6 +154,17 @@ Told KeyframeMap::toldBy(const std::vector<int>& viewers, const std::vector<Patc
   return told;
 }
 
+std::vector<int> KeyframeMap::viewersOf(const lidar::Scan& scan, const Pose2& T_map_robot,
+                                        const std::vector<int>& among, int most) const {
+  constexpr double kHalf = 0.5;
+  std::vector<int> viewers;
+  for (const int k : among) {
+    if (static_cast<int>(viewers.size()) == most) break;
+    if (sharedView(scan, T_map_robot, keyframe(k).seen, graph_.pose(k)) >= kHalf) viewers.push_back(k);
+  }
+  return viewers;
+}
+
 double KeyframeMap::viewsOf(const lidar::Scan& scan, const Pose2& T_map_robot,
                             const std::vector<int>& among) const {
   double views = 0;

@@ -74,6 +74,22 @@ TEST(LostDetector, TakesHoursOfABusyPlaceForNoLoss) {
   }
 }
 
+TEST(LostDetector, NoticesAPlaceThatContradictsLittleAfterABreak) {
+  // Far more than is seen where all is well, a third to two of what wrong places contradict as a rule.
+  for (const double share : {0.25, 0.3, 0.4}) {
+    auto detector = settled(5, 0.5);
+    for (int i = 0; i < 50; ++i) detector.learnWrong(0.65 + (i % 2 == 0 ? 0.17 : -0.17));
+    EXPECT_LE(secondsToNotice(detector, 100, 0.2, 0.5, share, 0.9), 5.0) << share;
+  }
+}
+
+TEST(LostDetector, TakesAMapThatIsOutOfDateForNoLoss) {
+  // Furniture was moved: the map contradicts as much, but nothing broke on the way there.
+  auto detector = settled(5, 0.5);
+  for (int i = 0; i < 50; ++i) detector.learnWrong(0.65 + (i % 2 == 0 ? 0.17 : -0.17));
+  EXPECT_TRUE(std::isinf(secondsToNotice(detector, 100, 0.2, 0.5, 0.3, 0.02)));
+}
+
 TEST(LostDetector, TakesPeopleWhoWalkAboutForNoLoss) {
   // Half of every scan is people: the map contradicts it more than keyframes of late do, and so does the scan
   // before it.

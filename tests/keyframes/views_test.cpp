@@ -205,6 +205,18 @@ TEST(Views, AreCountedOfKeyframesWithinTwoOfTheirDistances) {
   EXPECT_NEAR(map.viewsOf(half, {}, {1, 3}), 1, 1e-9) << "among those that are asked";
 }
 
+TEST(Views, ViewersLookAtHalfOfWhatAScanLooksAt) {
+  // A lidar that looks half round, in a corridor that was driven both ways.
+  KeyframeMap map{GraphOptions()};
+  const lidar::Scan half = fan(179, 3);
+  for (int k = 0; k < 12; ++k)
+    addKeyframe(map, {0.5 * k, 0, k % 2 == 0 ? 0 : kPi}, half, k, map.lastKeyframe());
+  EXPECT_EQ(map.viewersOf(half, {0, 0, 0.1}, {5, 4, 3, 2, 1, 0}, 4), (std::vector<int>{4, 2, 0}));
+  EXPECT_EQ(map.viewersOf(half, {0, 0, kPi}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, 4),
+            (std::vector<int>{1, 3, 5, 7}));
+  EXPECT_TRUE(map.viewersOf(half, {}, {1, 3}, 4).empty());
+}
+
 /// Keyframes at one place, ten of them, each reached from the one before; the last one's partners.
 std::vector<int> partnersOfTheLast(KeyframeMap& map, const std::vector<int>& near) {
   return map.partnersOf(map.lastKeyframe(), near, map.pose(map.lastKeyframe()));
