@@ -74,14 +74,14 @@ keyframes::Break GraphSlam::breakBefore(const lidar::Scan& scan, const std::vect
 /// What a scan says of whether the robot was kidnapped. A scan that the map explains does not contradict it,
 /// whatever beams went through where somebody stands now.
 void GraphSlam::lookWhetherLost(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
-                                const Step& step, const Pose2& increment, double broken) {
+                                const Step& step, const Pose2& increment, double broken, bool has_odometry) {
   keyframes::Told told;
   double explained = step.score;
   if (doubt_.begins < 0) {
     told = map_->toldBy(map_->viewersOf(scan, step.T_map_robot, map_keyframes_, kAsked), points,
                         step.T_map_robot, &scan);
   } else {
-    told = trackBefore(scan, points, increment, explained);
+    told = trackBefore(scan, points, increment, has_odometry, explained);
     // People who walk about contradict what was seen a moment ago, too.
     const auto own = map_->toldBy(map_->viewersOf(scan, step.T_map_robot, map_keyframes_, kAsked), points,
                                   step.T_map_robot, &scan);
@@ -101,8 +101,8 @@ void GraphSlam::lookWhetherLost(const lidar::Scan& scan, const std::vector<Patch
 /// While in doubt: where the robot is if it was not kidnapped, by the map from before, and what that says of
 /// the scan. Odometry leads, within its noise.
 keyframes::Told GraphSlam::trackBefore(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
-                                       const Pose2& increment, double& explained) {
-  const keyframes::Prediction step = predict(increment, true);
+                                       const Pose2& increment, bool has_odometry, double& explained) {
+  const keyframes::Prediction step = predict(increment, has_odometry);
   PosePrior prior;
   prior.mean = doubt_.T_map_robot * increment;
   prior.information = scanmatch::poseInformation(step.sigma_xy_m, step.sigma_turn_rad);

@@ -202,10 +202,10 @@ class GraphSlam {
                                const core::Pose2& T_previous_robot, const core::Pose2& T_previous_matched,
                                bool has_odometry) const;
   keyframes::Told trackBefore(const lidar::Scan& scan, const Points& points, const core::Pose2& increment,
-                              double& explained);
+                              bool has_odometry, double& explained);
   void comeBack(const lidar::Scan& scan, Points points, Step& step);
   void lookWhetherLost(const lidar::Scan& scan, const Points& points, const Step& step,
-                       const core::Pose2& increment, double broken);
+                       const core::Pose2& increment, double broken, bool has_odometry);
   void learnWrongPlace(const lidar::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
   std::vector<int> keyframesBeforeDoubt(const core::Pose2& T_map_robot) const;
   keyframes::Trust weighDoubt(const core::Pose2& T_before, const keyframes::Break& seam, Step& step);

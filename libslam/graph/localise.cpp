@@ -53,7 +53,7 @@ GraphSlam::Step GraphSlam::localise(const lidar::Scan& scan, const Pose2& T_prev
     step = track(scan, increment, has_odometry, points, information);
     const keyframes::Break seam =
         breakBefore(scan, points, increment, core::between(T_before, step.T_map_robot), has_odometry);
-    lookWhetherLost(scan, points, step, increment, seam.contradicted);
+    lookWhetherLost(scan, points, step, increment, seam.contradicted, has_odometry);
     // A robot that has left the map is not searched for: odometry leads it back. What little fits would
     // mislead it; and it is back when a scan fits as a whole.
     const bool was_outside = is_outside_;
