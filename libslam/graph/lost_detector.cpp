@@ -100,7 +100,13 @@ void LostDetector::look(const Look& now) {
       now.may_be_lost && std::isfinite(now.broken)
           ? -std::min(kUnbroken, std::max(kUnbroken * unbroken, kPerDismissed * dismissed_))
           : -kUnbroken;
-  if (begins_now >= evidence_) began_by_break_ = begins_now > -0.5 * kUnbroken;
+  // Two breaks are a glitch rather than two kidnappings.
+  const double broken = ratioAfterBreak(now.broken, unbroken_);
+  const bool has_ended = isInDoubt() && broken >= kMostPerLook;
+  if (begins_now >= evidence_)
+    began_by_break_ = begins_now > -0.5 * kUnbroken;
+  else if (broken > 0)
+    began_by_break_ = false;
   double says = ratio(now.contradicted, well_);
   if (began_by_break_) says = std::max(says, ratioAfterBreak(now.contradicted, well_));
   // What is mostly explained speaks against it, whatever the rest says.
@@ -111,8 +117,9 @@ void LostDetector::look(const Look& now) {
   // After the break the scans of a robot that was kidnapped fit one another; among people who walk about they
   // do not.
   if (says > 0 && evidence_ > begins_now && std::isfinite(now.broken))
-    says *= std::clamp(-ratioAfterBreak(now.broken, unbroken_) / kMostPerLook, 0.0, 1.0);
+    says *= std::clamp(-broken / kMostPerLook, 0.0, 1.0);
   evidence_ = std::max(std::max(evidence_, begins_now) + says, -kUnbroken);
+  if (has_ended && !is_high) evidence_ = std::min(evidence_, kDoubt);
   for (double* count : {&streaks_.looks, &streaks_.high}) *count *= core::exp(-news / kForgotten);
   countStreak(is_high, news);
   // What speaks for another place is not learnt as what is well.

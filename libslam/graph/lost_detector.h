@@ -10,7 +10,8 @@ namespace slam::graph {
 /// against its place (beams that went through a point that is seen now, and the other way round). And, once,
 /// the break at s: how far scan s contradicts the one before it, moved as the robot moved. A robot that
 /// drifts contradicts its map, too, but from one scan to the next all fits: without a break kidnapping is the
-/// less likely by kUnbroken.
+/// less likely by kUnbroken. A second break, after which the map from before contradicts no more, ends the
+/// doubt: what lay between was a glitch.
 ///
 /// How large both shares are where all is well, and how much they vary, is learnt from the scans themselves
 /// while they are well; how large they are where the robot is not, from scans put into wrong places on

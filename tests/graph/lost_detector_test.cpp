@@ -110,6 +110,19 @@ TEST(LostDetector, TakesASecondOfNonsenseForNoLoss) {
   }
 }
 
+TEST(LostDetector, ABreakBackEndsADoubt) {
+  // Some scans of nothing that is there. Afterwards the robot is on new ground, of which the map says little.
+  for (const bool fits : {true, false}) {
+    auto detector = settled(5, 0.5);
+    for (int i = 0; i < 3; ++i) detector.look(seen(101 + 0.4 * i, 0.2, 0.9, i == 0 ? 0.8 : 0.02));
+    ASSERT_TRUE(detector.isInDoubt());
+    auto after = seen(102.2, 0.2, fits ? 0.05 : 0.9, 0.8);
+    after.telling = 0.1;
+    detector.look(after);
+    EXPECT_EQ(detector.isInDoubt(), !fits);
+  }
+}
+
 TEST(LostDetector, ListensLessToBreaksWhereDoubtsHavePassed) {
   auto fresh = settled(5, 0.5), wary = settled(5, 0.5);
   for (int i = 0; i < 8; ++i) wary.dismiss();
