@@ -100,15 +100,13 @@ void LostDetector::look(const Look& now) {
       now.may_be_lost && std::isfinite(now.broken)
           ? -std::min(kUnbroken, std::max(kUnbroken * unbroken, kPerDismissed * dismissed_))
           : -kUnbroken;
+  if (begins_now >= evidence_) began_by_break_ = begins_now > -0.5 * kUnbroken;
   // Two breaks are a glitch rather than two kidnappings.
   const double broken = ratioAfterBreak(now.broken, unbroken_);
   const bool has_ended = isInDoubt() && broken >= kMostPerLook;
-  if (begins_now >= evidence_)
-    began_by_break_ = begins_now > -0.5 * kUnbroken;
-  else if (broken > 0)
-    began_by_break_ = false;
   double says = ratio(now.contradicted, well_);
-  if (began_by_break_) says = std::max(says, ratioAfterBreak(now.contradicted, well_));
+  const double own = ratioAfterBreak(now.contradicted, well_);
+  if (began_by_break_) says = std::max(says, own / (1 + odd_));
   // What is mostly explained speaks against it, whatever the rest says.
   if (!now.may_be_lost) says = std::min(says, -0.5 * kMostPerLook);
   const bool is_high = says > 0;
@@ -120,10 +118,11 @@ void LostDetector::look(const Look& now) {
     says *= std::clamp(-broken / kMostPerLook, 0.0, 1.0);
   evidence_ = std::max(std::max(evidence_, begins_now) + says, -kUnbroken);
   if (has_ended && !is_high) evidence_ = std::min(evidence_, kDoubt);
-  for (double* count : {&streaks_.looks, &streaks_.high}) *count *= core::exp(-news / kForgotten);
+  for (double* count : {&streaks_.looks, &streaks_.high, &odd_}) *count *= core::exp(-news / kForgotten);
   countStreak(is_high, news);
   // What speaks for another place is not learnt as what is well.
   if (isInDoubt()) return;
+  if (own > 0) odd_ += news;
   if (std::isfinite(now.contradicted)) well_.add(now.contradicted, news, kMostLooks);
   if (std::isfinite(now.broken)) unbroken_.add(now.broken, news, kMostLooks);
 }

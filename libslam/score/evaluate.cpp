@@ -9,10 +9,12 @@
 #include "libslam/core/error.h"
 #include "libslam/files/parameters.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/metrics/ghosts.h"
 #include "libslam/resources/resources.h"
 #include "libslam/results/lost_time.h"
 #include "libslam/score/metric_infos.h"
 #include "libslam/stats/consistency.h"
+#include "libslam/truth/movers_log.h"
 
 namespace slam::score {
 namespace {
@@ -40,6 +42,7 @@ Truth loadTruth(const std::string& truth_path, const std::string& plan_path,
   truth.trajectory = logs::readTrajectory(truth_path);
   if (plan_path.empty()) return truth;
   truth.plan = world::loadPlan(plan_path);
+  truth.people = truth::readPeople(truth_path);
   const auto lidar = [&](const std::string& key) {
     return results::resultOf(lidar_of.manifest, "lidar." + key, lidar_of.path);
   };
@@ -59,7 +62,7 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.anees = e.within_50_share = e.within_95_share = e.singular_share = kNan;
   e.anees_final = e.within_50_share_final = e.within_95_share_final = e.singular_share_final = kNan;
   e.cost = {kNan, kNan, kNan, kNan};
-  e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = e.lost_share = kNan;
+  e.ghost_share = e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = e.lost_share = kNan;
   e.structure = {kNan, 0, 0};
   e.mean_map_entropy = e.wall_thickness_m = e.on_wall_share = e.through_wall_share = kNan;
   e.end_pose = {kNan, kNan, kNan};
@@ -159,9 +162,13 @@ Evaluation evaluate(const results::RunFolder& run, const std::optional<Truth>& t
   e.per_metre = metrics::relativeErrorOverDistance(truth->trajectory, run.estimate, 1.0);
   e.per_second = metrics::relativeErrorOverTime(truth->trajectory, run.estimate, 1.0);
   judgeCovariances(run, *truth, alignment, e);
-  if (truth->plan && truth->seen)
-    e.map = metrics::scoreMap(*truth->plan, *truth->seen, run.map, e.final_trajectory.T_truth_estimate,
-                              kWallTolerance_m);
+  if (truth->plan && truth->seen) {
+    const core::Pose2& T_world_map = e.final_trajectory.T_truth_estimate;
+    e.map = metrics::scoreMap(*truth->plan, *truth->seen, run.map, T_world_map, kWallTolerance_m);
+    if (!truth->people.empty())
+      e.ghost_share = metrics::ghostShare(*truth->plan, *truth->seen, truth->people, run.map, T_world_map,
+                                          kWallTolerance_m);
+  }
   return e;
 }
 
@@ -225,6 +232,7 @@ table::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Tru
   if (detail == Detail::kFull || std::any_of(evaluations.begin(), evaluations.end(), isLocalised))
     add({"lost_share"});
   if (truth.plan) add({"wall_f1", "free_iou", "wall_p95_m"});
+  if (truth.plan && (detail == Detail::kFull || !truth.people.empty())) add({"ghost_share"});
   if (truth.plan && detail == Detail::kFull)
     add({"wall_p50_m", "wall_precision", "wall_recall", "missed_p50_m", "missed_p95_m", "known_share"});
   if (detail == Detail::kFull)

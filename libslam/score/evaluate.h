@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "libslam/core/pose2.h"
 #include "libslam/metrics/map_score.h"
@@ -19,6 +20,7 @@ struct Truth {
   core::Trajectory trajectory;
   std::optional<world::Plan> plan;
   std::optional<metrics::SeenMask> seen;
+  std::vector<core::Point2> people;  ///< where they were, world frame, when the log was simulated among any
 };
 /// `lidar_of`: any run on the same log; it says which lidar looked. plan_path may be "".
 Truth loadTruth(const std::string& truth_path, const std::string& plan_path,
@@ -46,6 +48,7 @@ struct Evaluation {
   metrics::TrajectoryError final_trajectory;  ///< of the final path: the same where nothing is corrected
   metrics::RelativeError per_metre, per_second;
   metrics::MapScore map;
+  double ghost_share;  ///< NaN where no people were
   /// Whether the covariances of the online poses are consistent (poseNees(), stats::consistency()), and those
   /// of the final poses; NaN where there are none.
   double anees, within_50_share, within_95_share, singular_share;

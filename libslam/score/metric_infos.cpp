@@ -67,6 +67,9 @@ constexpr MetricRow kMetrics[] = {
      [](const E& e) { return e.map.truth_to_wall_p95_m; }},
     {"known_share", "known", "share of the region that could be seen of which the map claims to know", 3,
      [](const E& e) { return e.map.known_share; }, kLarger},
+    {"ghost_share", "ghosts",
+     "share of the ground that people were on, 0.10 m and more away from walls, that the map calls occupied",
+     4, [](const E& e) { return e.ghost_share; }},
     {"anees", "ANEES",
      "error of the pose given online (no alignment: the start is known) against the method's own "
      "covariance, squared, over 3 and averaged: 1 is consistent, above 1 overconfident, below 1 "

@@ -1,14 +1,19 @@
 #include "libslam/truth/movers_log.h"
 
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/files/csv.h"
 #include "libslam/files/parameters.h"
+#include "libslam/truth/number_rows.h"
 
 namespace slam::truth {
 namespace {
+
+constexpr const char* kEnding = ".movers.csv";
 
 const char* nameOf(movers::PersonState state) {
   switch (state) {
@@ -40,6 +45,18 @@ std::string rounded(double value) {
 }
 
 }  // namespace
+
+std::vector<core::Point2> readPeople(const std::string& log_or_truth_path) {
+  const std::string path = besideLog(log_or_truth_path, kEnding);
+  std::vector<core::Point2> people;
+  if (!std::filesystem::exists(path)) return people;
+  const auto table = files::CsvTable::read(path);
+  const auto kinds = table.texts("kind");
+  const auto x_m = table.numbers("x_m"), y_m = table.numbers("y_m");
+  for (size_t row = 0; row < kinds.size(); ++row)
+    if (kinds[row] == "person") people.push_back({x_m[row], y_m[row]});
+  return people;
+}
 
 MoversLog::MoversLog(const std::string& path) : file_(path) {
   file_.append("time_s,kind,id,x_m,y_m,heading_rad,state\n");

@@ -7,6 +7,10 @@
 
 namespace slam::truth {
 
+/// Where people were, world frame, row by row of the file that a MoversLog leaves beside a log or its truth;
+/// none where there is no such file. Errors: InputError with file and line.
+std::vector<core::Point2> readPeople(const std::string& log_or_truth_path);
+
 /// The truth of what moved besides the robot, beside a log, written as it comes:
 ///
 ///     time_s,kind,id,x_m,y_m,heading_rad,state
