@@ -28,7 +28,7 @@ const files::ParameterTable<SuiteOptions>& SuiteOptions::table() {
         &O::metric,
         "ate_final_m",
         {"ate_final_m", "ate_rmse_m", "ate_max_m", "heading_rmse_deg", "rpe_1m_m", "rpe_1m_deg", "wall_f1",
-         "free_iou", "wall_p95_m", "relation_m", "relation_deg"},
+         "free_iou", "wall_p95_m", "ghost_share", "relation_m", "relation_deg"},
         "the figure that ranks the methods"},
        {"failure_ate_m", &O::failure_ate_m, 0, 0, 1e6,
         "a run whose final path is farther off than this (ate_final_m) counts as failed; 0: never"},
