@@ -252,6 +252,7 @@ void addPlot(CLI::App& app, Context& context) {
       "  rasterslam plot map out -o map.pdf --width 170mm        maps and paths of a comparison\n"
       "  rasterslam plot paths out -o paths.svg                  all paths over the true plan\n"
       "  rasterslam plot errors out -o errors.pdf --width 85mm   position error over time\n"
+      "  rasterslam plot consistency out -o true.pdf             whether covariances are true\n"
       "  rasterslam plot seeds sweep -o seeds.pdf                box plots over the seeds of a sweep\n"
       "  rasterslam plot stress fov -o fov.pdf                   curves of a stress test\n"
       "  rasterslam plot exploration ex -o coverage.pdf          explored share over time and path\n"

@@ -7,6 +7,7 @@
 #include "libslam/draw/axis_title.h"
 #include "libslam/files/files.h"
 #include "libslam/files/word_list.h"
+#include "libslam/pages/coverage_chart.h"
 #include "libslam/pages/figures.h"
 #include "libslam/pages/report_data.h"
 #include "libslam/pictures/picture.h"
@@ -23,14 +24,11 @@ struct Arguments {
   std::shared_ptr<PaperArguments> how;
 };
 
-/// What the HTML report knows of a folder, with the methods that were asked for. Errors: InputError for a
-/// method that is not in the folder.
-report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
-  const auto& folder = arguments.inputs.front();
-  ConsoleProgress progress(context.quiet);
-  auto page = pages::gatherReport(folder, progress);
+/// Leaves the methods on a folder's page that were asked for. Errors: InputError for a method that is not in
+/// the folder.
+void keepMethods(const Arguments& arguments, const std::string& folder, report::ReportPage& page) {
   const auto wanted = files::namesIn(arguments.methods, ',');
-  if (wanted.empty()) return page;
+  if (wanted.empty()) return;
   std::vector<std::string> known;
   for (const auto& run : page.runs) known.push_back(run.method);
   for (const auto& name : wanted)
@@ -41,6 +39,14 @@ report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
     return std::find(wanted.begin(), wanted.end(), run.method) == wanted.end();
   };
   page.runs.erase(std::remove_if(page.runs.begin(), page.runs.end(), is_unwanted), page.runs.end());
+}
+
+/// What the HTML report knows of a folder, with the methods that were asked for.
+report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
+  const auto& folder = arguments.inputs.front();
+  ConsoleProgress progress(context.quiet);
+  auto page = pages::gatherReport(folder, progress);
+  keepMethods(arguments, folder, page);
   return page;
 }
 
@@ -88,6 +94,23 @@ int plotErrors(const Context& context, const Arguments& arguments) {
   auto methods = nlohmann::ordered_json::array();
   for (const auto& curve : chart.curves) methods.push_back(curve.label);
   sayPicture(context, {{"file", file}, {"methods", methods}}, file);
+  return 0;
+}
+
+int plotConsistency(const Context& context, const Arguments& arguments) {
+  const auto [file, paper] = picturePlace(context, *arguments.how, "consistency.png");
+  std::vector<report::ReportPage> pages;
+  for (const auto& folder : arguments.inputs) {
+    ConsoleProgress progress(context.quiet);
+    pages.push_back(pages::gatherReport(folder, progress));
+    keepMethods(arguments, folder, pages.back());
+  }
+  const auto chart = pages::coverageChart(pages, arguments.inputs.front());
+  draw::drawCharts({chart}, arguments.title, file, paper);
+  auto lines = nlohmann::ordered_json::array();
+  for (const auto& curve : chart.curves)
+    if (curve.style == draw::Curve::Style::kLine) lines.push_back(curve.label);
+  sayPicture(context, {{"file", file}, {"lines", lines}}, file);
   return 0;
 }
 
@@ -191,6 +214,19 @@ void addErrorsPlot(CLI::App& plot, Context& context) {
   command->footer("Example:\n  rasterslam plot errors out -o errors.pdf --width 85mm");
 }
 
+void addConsistencyPlot(CLI::App& plot, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  auto* command = addKind(plot, context, arguments, "consistency",
+                          "whether covariances are true: the errors that ellipsoids hold and should hold",
+                          kOfRuns, asMutable<plotConsistency>);
+  command->get_option("input")->expected(1, 100);
+  addMethods(command, arguments);
+  command->footer(
+      "Above the diagonal a method is conservative, below it overconfident. Of three and more folders, such as "
+      "runs with other seeds,\nthe whiskers at 50 and 95 % are 95 % intervals over the runs.\n"
+      "Example:\n  rasterslam plot consistency out -o consistency.pdf --width 85mm");
+}
+
 void addSeedsPlot(CLI::App& plot, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   auto* command = addKind(plot, context, arguments, "seeds", "box plots over the seeds of a sweep",
@@ -235,8 +271,8 @@ void addExplorationPlot(CLI::App& plot, Context& context) {
 }  // namespace
 
 void addPlotResults(CLI::App& plot, Context& context) {
-  for (const auto add :
-       {addMapPlot, addPathsPlot, addErrorsPlot, addSeedsPlot, addStressPlot, addExplorationPlot})
+  for (const auto add : {addMapPlot, addPathsPlot, addErrorsPlot, addConsistencyPlot, addSeedsPlot,
+                         addStressPlot, addExplorationPlot})
     add(plot, context);
 }
 

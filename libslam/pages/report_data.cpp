@@ -121,6 +121,10 @@ report::ReportRun pageRun(const results::RunFolder& run, const score::Evaluation
     const bool known = metrics::poseAt(truth->trajectory, stamped.time_s, true_pose);
     shown.error_m.push_back(known ? core::distance(true_pose, shown.path.back().pose) : kNan);
   }
+  if (truth) {
+    const auto errors = score::statedErrors(run, *truth, score::alignmentOf(run.manifest));
+    shown.nees = errors.online, shown.nees_final = errors.final_poses;
+  }
   readTiming(run.path + "/timing.csv", shown);
   if (fs::exists(run.path + "/journal.csv")) shown.events = results::readJournal(run.path + "/journal.csv");
   return shown;

@@ -28,6 +28,7 @@ struct ReportRun {
   core::Trajectory online;  ///< as it was given at the time, where that differs; else empty
   std::vector<double>
       error_m;  ///< of each pose of path, NaN where no truth is near in time; empty without truth
+  std::vector<double> nees, nees_final;  ///< pose by pose, see results::poseNees(); may be empty
   std::vector<double> scan_time_s,
       scan_ms;                            ///< computing time scan by scan, since the first scan; may be empty
   std::vector<core::JournalLine> events;  ///< in the map frame

@@ -28,6 +28,7 @@ std::vector<StampedCovariance> readCovariances(const std::string& path);
 /// a microradian), else left out (the start is given). Left out too: poses without a truth at their stamp.
 /// Empty when the truth does not know the first stamp.
 /// REQUIRES as many covariances as poses (ContractError).
+inline constexpr int kPoseDegreesOfFreedom = 3;
 std::vector<double> poseNees(const core::Trajectory& truth, const core::Trajectory& estimate,
                              const std::vector<StampedCovariance>& covariances,
                              const std::optional<core::Pose2>& T_world_map = std::nullopt);

@@ -69,31 +69,33 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   return e;
 }
 
-namespace {
-
-void judgeCovariances(const results::RunFolder& run, const Truth& truth, const Alignment& alignment,
-                      Evaluation& e) {
+StatedErrors statedErrors(const results::RunFolder& run, const Truth& truth, const Alignment& alignment) {
   std::optional<core::Pose2> T_world_map;
   if (alignment.how == metrics::Align::kNone) T_world_map = alignment.T_truth_map;
-  constexpr int kPoseDegreesOfFreedom = 3;
+  StatedErrors errors;
   if (!run.covariances.empty())
-    if (const auto online = stats::consistency(
-            {results::poseNees(truth.trajectory, run.estimate, run.covariances, T_world_map)},
-            kPoseDegreesOfFreedom)) {
-      e.anees = online->anees.value;
-      e.within_50_share = online->coverage50.value;
-      e.within_95_share = online->coverage95.value;
-      e.singular_share = online->singular_share;
-    }
+    errors.online = results::poseNees(truth.trajectory, run.estimate, run.covariances, T_world_map);
   if (!run.final_covariances.empty())
-    if (const auto final_poses = stats::consistency(
-            {results::poseNees(truth.trajectory, *run.final_estimate, run.final_covariances, T_world_map)},
-            kPoseDegreesOfFreedom)) {
-      e.anees_final = final_poses->anees.value;
-      e.within_50_share_final = final_poses->coverage50.value;
-      e.within_95_share_final = final_poses->coverage95.value;
-      e.singular_share_final = final_poses->singular_share;
-    }
+    errors.final_poses =
+        results::poseNees(truth.trajectory, *run.final_estimate, run.final_covariances, T_world_map);
+  return errors;
+}
+
+namespace {
+
+void judgeCovariances(const StatedErrors& errors, Evaluation& e) {
+  if (const auto online = stats::consistency({errors.online}, results::kPoseDegreesOfFreedom)) {
+    e.anees = online->anees.value;
+    e.within_50_share = online->coverage50.value;
+    e.within_95_share = online->coverage95.value;
+    e.singular_share = online->singular_share;
+  }
+  if (const auto final_poses = stats::consistency({errors.final_poses}, results::kPoseDegreesOfFreedom)) {
+    e.anees_final = final_poses->anees.value;
+    e.within_50_share_final = final_poses->coverage50.value;
+    e.within_95_share_final = final_poses->coverage95.value;
+    e.singular_share_final = final_poses->singular_share;
+  }
 }
 
 }  // namespace
@@ -161,7 +163,7 @@ Evaluation evaluate(const results::RunFolder& run, const std::optional<Truth>& t
   e.final_trajectory = run.final_estimate ? errorOf(*run.final_estimate) : e.trajectory;
   e.per_metre = metrics::relativeErrorOverDistance(truth->trajectory, run.estimate, 1.0);
   e.per_second = metrics::relativeErrorOverTime(truth->trajectory, run.estimate, 1.0);
-  judgeCovariances(run, *truth, alignment, e);
+  judgeCovariances(statedErrors(run, *truth, alignment), e);
   if (truth->plan && truth->seen) {
     const core::Pose2& T_world_map = e.final_trajectory.T_truth_estimate;
     e.map = metrics::scoreMap(*truth->plan, *truth->seen, run.map, T_world_map, kWallTolerance_m);

@@ -63,6 +63,12 @@ struct Evaluation {
   double lost_share;   ///< of the time that the method called itself lost; NaN where it keeps no journal
   double agreement_m;  ///< see setAgreement()
 };
+/// NEES pose by pose (results::poseNees()) of the online and of the final poses; empty where the run states
+/// no covariances.
+struct StatedErrors {
+  std::vector<double> online, final_poses;
+};
+StatedErrors statedErrors(const results::RunFolder& run, const Truth& truth, const Alignment& alignment);
 Evaluation evaluate(const results::RunFolder& run, const std::optional<Truth>& truth,
                     const std::optional<Alignment>& alignment = std::nullopt);
 /// Every figure NaN: the row of a method that failed.

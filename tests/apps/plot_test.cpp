@@ -141,9 +141,9 @@ TEST(Plot, PrintsAndChecksTheObstacleParameters) {
 TEST(Plot, DrawsAComparisonInEveryFormat) {
   const testing::TempFolder folder;
   const auto compared =
-      rasterslam("compare flat --methods naive_wheel,icp --duration 3 -o out -q", folder.path());
+      rasterslam("compare flat --methods naive_wheel,icp,graph --duration 3 -o out -q", folder.path());
   ASSERT_EQ(compared.exit_code, 0) << compared.err;
-  for (const std::string kind : {"map", "paths", "errors"}) {
+  for (const std::string kind : {"map", "paths", "errors", "consistency"}) {
     for (const std::string extension : {"pdf", "svg", "png"}) {
       const auto file = kind + "." + extension;
       const auto drawn = rasterslam("plot " + kind + " out --width 85mm -o " + file, folder.path());
@@ -151,7 +151,8 @@ TEST(Plot, DrawsAComparisonInEveryFormat) {
       EXPECT_EQ(drawn.out, file + "\n");
     }
     EXPECT_THAT(files::readTextFile(folder / (kind + ".svg")), HasSubstr("width=\"85mm\""));
-    EXPECT_THAT(files::readTextFile(folder / (kind + ".svg")), HasSubstr(">icp</text>"));
+    EXPECT_THAT(files::readTextFile(folder / (kind + ".svg")),
+                HasSubstr(kind == "consistency" ? ">graph final</text>" : ">icp</text>"));
     EXPECT_EQ(cv::imread(folder / (kind + ".png")).cols, 1004);  // 300 dpi
   }
   const auto one = rasterslam("plot paths out -q --methods icp -o one.svg --json", folder.path());

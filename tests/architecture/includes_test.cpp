@@ -108,7 +108,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"core", "files", "resources", "robot", "posegraph", "world", "rays", "logs", "sim", "odometry",
       "strategies", "metrics", "table", "process", "record", "run", "reach", "sweep", "summary"}},
     {"pages",
-     {"core", "files", "resources", "world", "logs", "sim", "metrics", "table", "draw", "pictures", "report",
+     {"core", "files", "resources", "stats", "world", "logs", "sim", "metrics", "table", "draw", "pictures", "report",
       "truth", "record", "results", "score", "summary"}},
     {"live",
      {"core", "files", "resources", "robot", "logs", "graph", "mapping", "obstacles", "metrics", "viewer",
