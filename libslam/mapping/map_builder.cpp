@@ -156,6 +156,11 @@ std::vector<Eigen::Matrix3d> finalCovariances(const MapBuilder& method) {
   return method.method->finalCovariances();
 }
 
+std::vector<Eigen::Matrix3d> relativeCovariances(const MapBuilder& method,
+                                                 const std::vector<std::pair<int, int>>& poses) {
+  return method.method->relativeCovariances(poses);
+}
+
 gridmap::OccupancyRaster currentMap(const MapBuilder& method) {
   return method.method->map();
 }

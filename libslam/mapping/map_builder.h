@@ -117,6 +117,11 @@ std::optional<Eigen::Matrix3d> poseCovariance(const MapBuilder& method);
 /// for the other methods.
 std::vector<Eigen::Matrix3d> finalCovariances(const MapBuilder& method);
 
+/// The same of the second pose of finalPath() as the first sees it, for pairs of its poses; empty for methods
+/// that do not say. Only graph does.
+std::vector<Eigen::Matrix3d> relativeCovariances(const MapBuilder& method,
+                                                 const std::vector<std::pair<int, int>>& poses);
+
 /// The map as it is now.
 gridmap::OccupancyRaster currentMap(const MapBuilder& method);
 

@@ -27,6 +27,8 @@ class GraphMethod : public SlamMethod {
   std::vector<core::JournalEntry> journal() const override;
   std::optional<core::Trajectory> finalPath(const core::Trajectory& online) const override;
   std::vector<Eigen::Matrix3d> finalCovariances() const override;
+  std::vector<Eigen::Matrix3d> relativeCovariances(
+      const std::vector<std::pair<int, int>>& steps) const override;
   const graph::GraphSlam* graph() const override { return &builder_->graph(); }
 
  private:
@@ -90,6 +92,17 @@ std::vector<Eigen::Matrix3d> GraphMethod::finalCovariances() const {
   std::vector<Eigen::Matrix3d> covariances;
   for (const size_t scan : scans_of_steps_) covariances.push_back(of_scans.at(scan));
   return covariances;
+}
+
+std::vector<Eigen::Matrix3d> GraphMethod::relativeCovariances(
+    const std::vector<std::pair<int, int>>& steps) const {
+  const auto scanOf = [&](int step) {
+    return static_cast<int>(scans_of_steps_.at(static_cast<size_t>(step)));
+  };
+  std::vector<std::pair<int, int>> scans;
+  scans.reserve(steps.size());
+  for (const auto& [first, second] : steps) scans.emplace_back(scanOf(first), scanOf(second));
+  return builder_->graph().relativeCovariances(scans);
 }
 
 }  // namespace

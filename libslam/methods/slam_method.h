@@ -81,6 +81,12 @@ class SlamMethod {
   virtual std::optional<core::Trajectory> finalPath(const core::Trajectory& /*online*/) const { return {}; }
   /// Of each pose of finalPath(); empty: the method does not say.
   virtual std::vector<Eigen::Matrix3d> finalCovariances() const { return {}; }
+  /// How sure finalPath() is of the second pose as the first sees it, for pairs of steps; empty: it does not
+  /// say.
+  virtual std::vector<Eigen::Matrix3d> relativeCovariances(
+      const std::vector<std::pair<int, int>>& /*steps*/) const {
+    return {};
+  }
   virtual std::vector<core::Pose2> particlePoses() const { return {}; }
   /// nullptr: the method keeps none.
   virtual const graph::GraphSlam* graph() const { return nullptr; }

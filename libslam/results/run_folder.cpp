@@ -61,6 +61,8 @@ RunFolder loadRun(const std::string& folder) {
   run.covariances = covariancesOf(run.estimate, folder + "/covariances.csv");
   if (run.final_estimate)
     run.final_covariances = covariancesOf(*run.final_estimate, folder + "/covariances_final.csv");
+  if (const std::string relative = folder + "/covariances_relative.csv"; std::filesystem::exists(relative))
+    run.relative_covariances = readRelativeCovariances(relative);
   world::PlanOptions options;
   options.allow_empty = true;  // a naive map claims no free space, a diverged one no walls
   run.map = world::loadPlan(folder + "/map.yaml", options);

@@ -7,6 +7,7 @@
 #include "libslam/resources/manifest.h"
 #include "libslam/results/cost.h"
 #include "libslam/results/pose_covariances.h"
+#include "libslam/results/relative_covariances.h"
 #include "libslam/world/plan.h"
 
 namespace slam::results {
@@ -19,6 +20,7 @@ struct RunFolder {
   std::vector<StampedCovariance>
       covariances;  ///< of `estimate`, pose by pose; empty where the method gives none
   std::vector<StampedCovariance> final_covariances;  ///< the same of `final_estimate`
+  std::vector<RelativeCovariance> relative_covariances;
   world::Plan map;                                   ///< in the map frame
   resources::Manifest manifest;
   Cost cost;

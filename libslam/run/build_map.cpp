@@ -175,6 +175,8 @@ void writePaths(const MapRun& run, const std::string& folder) {
   if (!run.covariances.empty()) results::writeCovariances(run.covariances, folder + "/covariances.csv");
   if (!run.final_covariances.empty())
     results::writeCovariances(run.final_covariances, folder + "/covariances_final.csv");
+  if (!run.relative_covariances.empty())
+    results::writeRelativeCovariances(run.relative_covariances, folder + "/covariances_relative.csv");
   // Methods that correct their path keep a journal, be there nothing to tell.
   if (run.final_estimate || !run.journal.empty())
     files::writeFileAtomically(folder + "/journal.csv", results::journalCsv(run.journal));
@@ -201,6 +203,7 @@ struct Ending {
   std::optional<gridmap::OccupancyRaster> map;
   std::optional<results::SelfScore> self;
   std::vector<Eigen::Matrix3d> covariances;  ///< of the final path
+  std::vector<results::RelativeCovariance> relative;
 };
 
 /// A method at its last work.
@@ -227,10 +230,24 @@ class Finisher {
             results::selfScore(log_path, ending_.path, results::toPlan(*ending_.map), progress, lidars);
       });
     if (!run_.stopped) ask([&] { ending_.covariances = mapping::finalCovariances(method_); });
+    if (!run_.stopped && ending_.final_path) ask([&] { askRelativeCovariances(); });
     return std::move(ending_);
   }
 
  private:
+  void askRelativeCovariances() {
+    using Kind = results::RelativeCovariance::Kind;
+    const auto& path = ending_.path;
+    const auto add = [&](Kind kind, const std::vector<std::pair<int, int>>& pairs) {
+      const auto told = mapping::relativeCovariances(method_, pairs);
+      for (size_t i = 0; i < told.size(); ++i)
+        ending_.relative.push_back({kind, path[static_cast<size_t>(pairs[i].first)].time_s,
+                                    path[static_cast<size_t>(pairs[i].second)].time_s, told[i]});
+    };
+    add(Kind::kMetre, results::pairsApart(path, 1));
+    add(Kind::kTenMetres, results::pairsApart(path, 10));
+    add(Kind::kLoop, results::loopEnds(mapping::journalOf(method_), path.size()));
+  }
   void ask(const std::function<void()>& work) {
     stoppable(run_, taken_, keep_partial_, [&] { results::insideMethod(work); });
   }
@@ -251,6 +268,7 @@ void complete(const mapping::MapBuilder& method, const Ending& ending, const Tak
   run.covariances = areGiven(run.covariances) ? inStampOrder(std::move(run.covariances))
                                               : std::vector<results::StampedCovariance>();
   if (ending.final_path) run.final_estimate = inStampOrder(*ending.final_path);
+  run.relative_covariances = ending.relative;
   run.final_covariances = inStampOrder(stamped(ending.covariances, taken.stamps_s));
   const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
   run.cost = summarize(taken.milliseconds, ending.finish_s, log_seconds);

@@ -12,6 +12,7 @@
 #include "libslam/results/cost.h"
 #include "libslam/results/journal_file.h"
 #include "libslam/results/pose_covariances.h"
+#include "libslam/results/relative_covariances.h"
 #include "libslam/results/stopped_run.h"
 #include "libslam/run/earlier_map.h"
 
@@ -25,6 +26,7 @@ struct MapRun {
   std::vector<results::StampedCovariance>
       covariances;  ///< of `estimate`, pose by pose; empty where the method gives none
   std::vector<results::StampedCovariance> final_covariances;  ///< the same of `final_estimate`
+  std::vector<results::RelativeCovariance> relative_covariances;
   double path_length_m = 0;  ///< of the poses given online; this and the next in the order of the log
   core::Pose2 end;           ///< T_map_robot at the last scan
   results::Cost cost;
@@ -44,7 +46,8 @@ struct MapRun {
 ///   manifest.json
 ///   trajectory_final.tum    where mapping::finalPath() has one
 ///   covariances.csv         of the poses given online, where the method gives any (pose_covariances.h);
-///                           covariances_final.csv: of the others
+///                           covariances_final.csv: of the others; covariances_relative.csv: of pairs of
+///                           those (relative_covariances.h)
 ///   graph.g2o               of type graph
 ///   journal.csv             where the method keeps one
 /// An external method (external_method.h) has printed.txt instead of timing.csv, what it printed; this, like

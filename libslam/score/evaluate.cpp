@@ -61,6 +61,7 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.map = {kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
   e.anees = e.within_50_share = e.within_95_share = e.singular_share = kNan;
   e.anees_final = e.within_50_share_final = e.within_95_share_final = e.singular_share_final = kNan;
+  e.relative_1m = e.relative_10m = e.relative_loop = {kNan, kNan};
   e.cost = {kNan, kNan, kNan, kNan};
   e.ghost_share = e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = e.lost_share = kNan;
   e.structure = {kNan, 0, 0};
@@ -96,6 +97,16 @@ void judgeCovariances(const StatedErrors& errors, Evaluation& e) {
     e.within_95_share_final = final_poses->coverage95.value;
     e.singular_share_final = final_poses->singular_share;
   }
+}
+
+Evaluation::Relative relativeConsistency(const results::RunFolder& run, const Truth& truth,
+                                         results::RelativeCovariance::Kind kind) {
+  const auto known =
+      stats::consistency({results::relativeNees(truth.trajectory, run.final_estimate.value_or(run.estimate),
+                                                run.relative_covariances, kind)},
+                         results::kPoseDegreesOfFreedom);
+  return known ? Evaluation::Relative{known->anees.value, known->coverage95.value}
+               : Evaluation::Relative{kNan, kNan};
 }
 
 }  // namespace
@@ -164,6 +175,10 @@ Evaluation evaluate(const results::RunFolder& run, const std::optional<Truth>& t
   e.per_metre = metrics::relativeErrorOverDistance(truth->trajectory, run.estimate, 1.0);
   e.per_second = metrics::relativeErrorOverTime(truth->trajectory, run.estimate, 1.0);
   judgeCovariances(statedErrors(run, *truth, alignment), e);
+  using Kind = results::RelativeCovariance::Kind;
+  e.relative_1m = relativeConsistency(run, *truth, Kind::kMetre);
+  e.relative_10m = relativeConsistency(run, *truth, Kind::kTenMetres);
+  e.relative_loop = relativeConsistency(run, *truth, Kind::kLoop);
   if (truth->plan && truth->seen) {
     const core::Pose2& T_world_map = e.final_trajectory.T_truth_estimate;
     e.map = metrics::scoreMap(*truth->plan, *truth->seen, run.map, T_world_map, kWallTolerance_m);
@@ -230,7 +245,8 @@ table::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Tru
   if (detail == Detail::kFull)
     add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "anees", "within_50_share", "within_95_share",
          "singular_share", "anees_final", "within_50_share_final", "within_95_share_final",
-         "singular_share_final", "path_length_m"});
+         "singular_share_final", "anees_1m", "within_95_share_1m", "anees_10m", "within_95_share_10m",
+         "anees_loop", "within_95_share_loop", "path_length_m"});
   if (detail == Detail::kFull || std::any_of(evaluations.begin(), evaluations.end(), isLocalised))
     add({"lost_share"});
   if (truth.plan) add({"wall_f1", "free_iou", "wall_p95_m"});

@@ -53,6 +53,12 @@ struct Evaluation {
   /// of the final poses; NaN where there are none.
   double anees, within_50_share, within_95_share, singular_share;
   double anees_final, within_50_share_final, within_95_share_final, singular_share_final;
+  /// The same of final poses as others see them: a metre and ten metres of path apart, and at the ends of
+  /// loops (results::relativeNees()).
+  struct Relative {
+    double anees, within_95_share;
+  };
+  Relative relative_1m, relative_10m, relative_loop;
   results::Cost cost;
   double path_length_m = 0;
   core::Pose2 end_pose;  ///< T_map_robot at the last scan
