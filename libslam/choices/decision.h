@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,9 @@ struct Decision {
   std::optional<core::Point2> look_at;  ///< map frame: at the goal, turn until the lidar covers this
   bool comes_after = false;  ///< it drives after others to what they aim at: its goal is not its own
   double wait_s = 0;         ///< above 0: stand for so long and decide again, for others are on their way
+  /// How uncertain the pose was (m, by its covariance), NaN where the SLAM method does not say;
+  /// and above 0 by how much less it was there where this goes back to for a loop, see Certainty.
+  double spread_m = std::numeric_limits<double>::quiet_NaN(), certainty_m = 0;
 };
 
 /// Another robot of a team, as far as it is known, in this robot's map frame.

@@ -27,13 +27,14 @@ bool isSame(const choices::Decision& a, const choices::Decision& b) {
 table::Table decisionTable(const std::vector<DecisionEntry>& decisions) {
   table::Table table;
   for (const char* key : {"time_s", "map_x_m", "map_y_m", "map_yaw_rad", "goal_x_m", "goal_y_m", "score",
-                          "waypoints", "alternatives", "reason"})
+                          "spread_m", "certainty_m", "waypoints", "alternatives", "reason"})
     table.columns.push_back({key, key, 3});
   for (const auto& entry : decisions) {
     const auto goal = goalInMap(entry);
     const auto& decision = entry.decision;
     table.rows.push_back({entry.time_s, entry.T_map_robot.x, entry.T_map_robot.y, entry.T_map_robot.phi,
-                          goal.x, goal.y, decision.score, static_cast<double>(decision.path.size()),
+                          goal.x, goal.y, decision.score, decision.spread_m, decision.certainty_m,
+                          static_cast<double>(decision.path.size()),
                           static_cast<double>(decision.alternatives.size()), decision.reason});
   }
   return table;

@@ -43,6 +43,11 @@ const std::vector<Figure>& figures() {
       {{"ate_rmse_m", "ATE m", 3}, [](E e) { return e.evaluation.trajectory.position_m.rmse; }, true, false},
       {{"wall_f1", "wall F1", 3}, [](E e) { return e.evaluation.map.occupied_f1; }, true, false},
       {{"free_iou", "free IoU", 3}, [](E e) { return e.evaluation.map.free_iou; }, false, false},
+      {{"wall_to_truth_p95_m", "wall 95 % m", 3},
+       [](E e) { return e.evaluation.map.wall_to_truth_p95_m; },
+       false,
+       false},
+      {{"revisits", "revisits", 0}, [](E e) { return e.revisits; }, false, false},
       {{"scans", "scans", 0}, [](E e) { return static_cast<double>(e.figures.scans); }, false, false},
       {{"scans90", "scans 90 %", 0}, [](E e) { return e.figures.scans90; }, false, true},
       {{"scans99", "scans 99 %", 0}, [](E e) { return e.figures.scans99; }, false, true},
@@ -211,6 +216,7 @@ const std::vector<std::pair<std::string, std::string>>& explorationFigureInfos()
        "share of the path that adds no new area: pieces of 1 m that show less than 0.1 m2"},
       {"collisions", "commands that a wall cut short"},
       {"near_misses", "episodes with less than 0.05 m between the robot's disc and a wall"},
+      {"revisits", "decisions to go back to where the pose was surer, for a loop"},
       {"return_distance_m", "true distance to the start after driving back to it"}};
   return infos;
 }

@@ -187,7 +187,7 @@ Exploration failedExploration(const ExploreConfig& config, const std::string& sl
   e.end_detail = why;
   e.figures = metrics::explorationFigures({}, 0);
   e.figures.time_s = e.figures.path_m = e.explorable_m2 = e.explorable_share = kNaN;
-  e.collisions = e.near_misses = e.decisions = kNaN;
+  e.collisions = e.near_misses = e.decisions = e.revisits = kNaN;
   e.decision_mean_ms = e.decision_max_ms = kNaN;
   e.evaluation = score::failedEvaluation(slam, why);
   return e;

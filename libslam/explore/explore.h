@@ -94,6 +94,7 @@ struct Exploration {
   /// then rises above kNearMissOver_m.
   double near_misses = 0;
   double decisions = 0;
+  double revisits = 0;  ///< of these the ones to go back for a loop: [strategy] revisit
   /// Metres that tours with the plan in hand need (see oracle::Oracle), what no path can be shorter than, and
   /// the competitive ratios: this path to theirs. NaN when nobody asked, or where that share was never
   /// reached.

@@ -90,6 +90,7 @@ robot::Command ExploringRobot::decide(const gridmap::OccupancyRaster* map) {
     else
       driver_->setMap(localiser_.map());
   }
+  if (const auto spread_m = localiser_.spread_m()) driver_->setSpread(*spread_m);
   const auto command = driver_->next(sensed_.scan, T_map_robot_, sensed_.collided);
   const auto& decision = driver_->currentDecision();
   if (decisions_.empty() || !isSame(decision, decisions_.back().decision)) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -71,6 +72,10 @@ LoopResult ExploringRobot::result() const {
   e.collisions = static_cast<double>(simulator_.collisions().size());
   e.near_misses = near_misses_.count();
   e.decisions = static_cast<double>(decisions_.size());
+  e.revisits =
+      static_cast<double>(std::count_if(decisions_.begin(), decisions_.end(), [](const DecisionEntry& entry) {
+        return entry.decision.certainty_m > 0;
+      }));
   e.return_distance_m = returning_ ? core::distance(simulator_.truth(), start_) : kNaN;
   e.decision_mean_ms = decisions_.empty() ? kNaN : decisions_ms_ / static_cast<double>(decisions_.size());
   e.decision_max_ms = decisions_.empty() ? kNaN : slowest_decision_ms_;

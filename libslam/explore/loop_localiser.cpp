@@ -1,5 +1,7 @@
 #include "libslam/explore/loop_localiser.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "libslam/core/error.h"
@@ -39,6 +41,14 @@ gridmap::OccupancyRaster Localiser::map() const {
   gridmap::OccupancyRaster map;
   results::insideMethod([&] { map = mapping::currentMap(builder_); });
   return map;
+}
+
+std::optional<double> Localiser::spread_m() const {
+  std::optional<Eigen::Matrix3d> covariance;
+  results::insideMethod([&] { covariance = mapping::poseCovariance(builder_); });
+  if (!covariance || !covariance->allFinite()) return std::nullopt;
+  const Eigen::Vector3d variances = covariance->diagonal();
+  return std::sqrt(std::max(0.0, variances(0) + variances(1) + kArm_m * kArm_m * variances(2)));
 }
 
 }  // namespace slam::explore

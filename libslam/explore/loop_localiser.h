@@ -28,6 +28,11 @@ class Localiser {
   void tell(const robot::Command& command) { commanded_ = commands_.next(command); }
   const mapping::MapBuilder& builder() const { return builder_; }
   gridmap::OccupancyRaster map() const;
+  /// How far (m, one standard deviation) what is seen about kArm_m from the robot may lie off, by the
+  /// method's own covariance of the newest pose: a heading that errs shifts all that is far away. nullopt:
+  /// the method does not say.
+  std::optional<double> spread_m() const;
+  static constexpr double kArm_m = 3;
 
  private:
   mapping::MapBuilder builder_;

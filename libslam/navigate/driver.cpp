@@ -347,6 +347,10 @@ void Driver::setTeam(const std::vector<choices::Teammate>& team) {
   state_->strategy->seeTeam(team);
 }
 
+void Driver::setSpread(double spread_m) {
+  state_->strategy->seeSpread(spread_m);
+}
+
 const strategies::Strategy& Driver::strategy() const {
   return *state_->strategy;
 }

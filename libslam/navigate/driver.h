@@ -48,6 +48,9 @@ class Driver {
   void watch(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   /// The decision at hand is dropped, without blame: the next call of next() decides.
   void reconsider();
+  /// How uncertain the pose is that the next call of next() gets, for the strategy: see
+  /// Strategy::seeSpread().
+  void setSpread(double spread_m);
   /// What is known of the other robots, for the strategy: see Strategy::seeTeam().
   void setTeam(const std::vector<choices::Teammate>& team);
   const strategies::Strategy& strategy() const;

@@ -61,6 +61,7 @@ MapStrategy::Place MapStrategy::placeOf(const core::Point2& p_map) const {
 }
 
 void MapStrategy::seeScan(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
+  certainty_.see(T_map_robot);
   if (!space_ || !core::isFinite(T_map_robot)) return;
   const double cell_m = space_->resolution_m;
   const core::RigidMotion2 T_map_scan(T_map_robot);
@@ -304,6 +305,14 @@ choices::Decision MapStrategy::decide(const lidar::Scan& scan, const core::Pose2
   ++decisions_;
   judgeLook();
   known_before_ = space_->known;
+  return_.reset();
+  choices::Decision next = decideNext(scan, T_map_robot);
+  if (auto back = goBack(next, T_map_robot)) next = *std::move(back);
+  next.spread_m = certainty_.spread_m().value_or(next.spread_m);
+  return next;
+}
+
+choices::Decision MapStrategy::decideNext(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   const paths::FreeSpace looking = withoutFalseFrontiers();
   is_making_way_ = false;
   if (team_.empty()) return despitePeople(looking, scan, T_map_robot);
@@ -354,6 +363,10 @@ choices::Decision MapStrategy::decideOn(const paths::FreeSpace& looking, const l
 
 void MapStrategy::tellOutcome(const choices::Decision& decision, bool reached) {
   if (decision.path.empty() || is_making_way_) return;
+  if (decision.certainty_m > 0) {
+    certainty_.end(decision.goal);
+    return;
+  }
   is_held_up_ = !reached;
   if (reached) {
     spent_.push_back(decision.goal);

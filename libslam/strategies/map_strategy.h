@@ -5,6 +5,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "libslam/choices/certainty.h"
 #include "libslam/choices/passers.h"
 #include "libslam/choices/viewpoint.h"
 #include "libslam/paths/expected_gain.h"
@@ -43,16 +44,20 @@ struct Scene {
 /// Who passes is no wall, see Passers: before it ends the robot looks again where somebody may have stood. It
 /// waits where somebody holds it up, for a minute without news at most, and now and then makes way meanwhile
 /// to where there is room, for people wait for a robot, too.
+/// With `revisit` it goes back to where the pose was surer when that is worth the detour, see Certainty; what
+/// it was about to do comes after that.
 /// Finished when then no viewpoint is left for any frontier of frontier_min_m (or none that `choose` thinks
 /// worth the way); the reason says how many frontiers remain out of reach and how many were given up.
 class MapStrategy : public Strategy {
  public:
-  explicit MapStrategy(const StrategyOptions& options) : options_(options) {}
+  explicit MapStrategy(const StrategyOptions& options)
+      : options_(options), certainty_(options.revisit ? options.revisit_price : 0) {}
   choices::Decision decide(const lidar::Scan& scan, const core::Pose2& T_map_robot) final;
   bool needsMap() const final { return true; }
   bool drivesByDisc() const final { return true; }
   void seeMap(const gridmap::OccupancyRaster& map) final;
   void seeCommand(const robot::Command& command) final { passers_.tell(command); }
+  void seeSpread(double spread_m) final { certainty_.tell(spread_m); }
   void seeScan(const lidar::Scan& scan, const core::Pose2& T_map_robot) final;
   const std::vector<core::Point2>& people() const final { return passers_.bodies(); }
   void setRobot(const robot::RobotOptions& robot) final { robot_ = robot; }
@@ -85,8 +90,8 @@ class MapStrategy : public Strategy {
   const robot::RobotOptions& robot() const { return robot_; }
   /// The newest map. REQUIRES that seeMap() was called.
   const paths::FreeSpace& space() const { return *space_; }
-  /// The newest decision leads out of others' way, not to something to look at.
-  bool isMakingWay() const { return is_making_way_; }
+  /// The newest decision leads to something to look at: not out of others' way, nor back for a loop.
+  bool isForALook() const { return !is_making_way_ && !return_; }
   /// Looks at this frontier cell were for nothing.
   bool isGivenUp(std::size_t cell) const;
 
@@ -94,6 +99,8 @@ class MapStrategy : public Strategy {
   static constexpr double kLeastNews_m2 = 0.1;  ///< less new area than this may be the map's noise
   using Place = std::int64_t;  ///< a cell's place in the map frame, whatever the raster's extent
   Place placeOf(const core::Point2& p_map) const;
+  choices::Decision decideNext(const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<choices::Decision> goBack(const choices::Decision& next, const core::Pose2& T_map_robot);
   choices::Decision decideOn(const paths::FreeSpace& looking, const lidar::Scan& scan,
                              const core::Pose2& T_map_robot);
   void keepMine(std::vector<choices::Viewpoint>& viewpoints) const;
@@ -136,8 +143,10 @@ class MapStrategy : public Strategy {
   std::size_t known_before_ = 0;             ///< cells of the map when the present goal was chosen
   int decisions_ = 0;
   choices::Passers passers_;
-  int waits_ = 0;            ///< in a row without news
-  bool is_held_up_ = false;  ///< on its way to the newest goal
+  choices::Certainty certainty_;
+  std::optional<choices::Certainty::Return> return_;  ///< which the newest decision is for
+  int waits_ = 0;                                     ///< in a row without news
+  bool is_held_up_ = false;                           ///< on its way to the newest goal
   bool is_making_way_ = false;
   std::size_t known_at_wait_ = 0;
   std::vector<choices::Teammate> team_;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "libslam/core/elementary.h"
@@ -46,6 +47,7 @@ bool MapStrategy::isStillGood(const choices::Decision& decision, const core::Pos
       if (core::distance(p, core::position(T_map_robot)) > 0.2 && blocked(p)) return false;
     }
   }
+  if (return_) return !certainty_.isDone(*return_);
   if (!options_.recheck || target_.empty()) return true;
   std::size_t left = 0;
   for (const auto& p : target_) {
@@ -73,6 +75,35 @@ choices::Decision MapStrategy::despitePeople(const paths::FreeSpace& looking, co
   }
   auto waiting = wait(T_map_robot);
   return waiting ? *std::move(waiting) : decision;
+}
+
+/// Nothing when no way back is worth it.
+std::optional<choices::Decision> MapStrategy::goBack(const choices::Decision& next,
+                                                     const core::Pose2& T_map_robot) {
+  if (is_making_way_ || next.wait_s > 0 || (next.path.empty() && !next.finished) || !certainty_.mayPay())
+    return std::nullopt;
+  const paths::FreeSpace driving = drivingSpace(false, T_map_robot);
+  const paths::PathPlanner planner = plan(driving, false, T_map_robot);
+  std::optional<paths::PathPlanner::Node> goal;
+  if (!next.path.empty()) {
+    goal = planner.nodeOf(driving.index(driving.columnOf(next.goal.x), driving.rowOf(next.goal.y)));
+    if (!planner.isReached(*goal)) return std::nullopt;
+  }
+  return_ = certainty_.best(driving, planner, goal);
+  if (!return_) return std::nullopt;
+  certainty_.begin(*return_);
+  target_.clear();
+  choices::Decision back;
+  back.path = planner.shortened(planner.way(return_->node));
+  back.goal = back.path.back();
+  back.certainty_m = return_->gain_m;
+  char reason[160];
+  std::snprintf(reason, sizeof reason,
+                "back for a loop: the pose, sure to %.3f m, was sure to %.3f m there; a detour of %.2f m",
+                return_->spread_m + return_->gain_m, return_->spread_m, return_->detour_m);
+  back.reason = reason;
+  if (!next.path.empty()) back.alternatives.push_back(next.goal);
+  return back;
 }
 
 /// Nothing once that has been for nothing too often.

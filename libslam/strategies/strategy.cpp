@@ -106,6 +106,11 @@ const files::ParameterTable<StrategyOptions>& StrategyOptions::table() {
         "free",
         {"free", "looked_at"},
         "floor that the sensor has not shown: free, or turned to and looked at before it is driven on"},
+       {"revisit", &O::revisit, true,
+        "strategies on the map: where the SLAM method reports that the pose has become uncertain, go back to "
+        "where it was surer, for a loop, when that is worth the detour"},
+       {"revisit_price", &O::revisit_price, 100.0, 0.0, 1e6,
+        "metres of detour that a metre less of the pose's standard deviation is worth"},
        {"give_up_after", &O::give_up_after, 20, 1, 100000,
         "decisions in a row that show nothing new before the exploration counts as stuck"}});
   return rows;

@@ -33,6 +33,9 @@ class Strategy {
   virtual void seeCommand(const robot::Command& /*command*/) {}
   /// Every scan and where it was taken, also between the decisions; before decide() sees the same one.
   virtual void seeScan(const lidar::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) {}
+  /// How uncertain the SLAM method says that the newest pose is, see choices::Certainty: before seeScan() of
+  /// that scan, where the method says it.
+  virtual void seeSpread(double /*spread_m*/) {}
   /// Around people whom the newest scan shows, map frame: to be kept clear of, beside the scan itself.
   virtual const std::vector<core::Point2>& people() const;
   /// Whose ways are to be planned. A strategy that is not told assumes the default robot.
@@ -88,7 +91,9 @@ struct StrategyOptions {
   std::string memory;                         ///< of obstacles: a name of obstacleMemoryNames()
   std::string unseen;                         ///< as NavigateOptions::unseen
   obstacles::LocalObstacleOptions obstacles;  ///< the zone of memory = local_map and unseen = looked_at
-  int give_up_after;  ///< decisions in a row that show nothing new before the strategy is stuck
+  bool revisit;          ///< go back where that is worth it for the pose's certainty, see choices::Certainty
+  double revisit_price;  ///< metres of detour for a metre of it
+  int give_up_after;     ///< decisions in a row that show nothing new before the strategy is stuck
   StrategyOptions();
   static const files::ParameterTable<StrategyOptions>& table();
 };

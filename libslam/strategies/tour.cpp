@@ -67,7 +67,7 @@ std::optional<std::size_t> Tour::sharedViewpoints() const {
 bool Tour::isStillGood(const choices::Decision& decision, const core::Pose2& T_map_robot,
                        std::size_t next_waypoint) {
   if (!MapStrategy::isStillGood(decision, T_map_robot, next_waypoint)) return false;
-  if (isMakingWay()) return true;
+  if (!isForALook()) return true;
   const double news = static_cast<double>(space().known) - static_cast<double>(known_cells_);
   return news * space().resolution_m * space().resolution_m < kNews_m2;
 }

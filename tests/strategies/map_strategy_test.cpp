@@ -212,6 +212,91 @@ TEST(MapStrategies, DoNotFinishBeforeTheBareDiscHasNoWayLeft) {
   }
 }
 
+// Characters are 0.5 m: a corridor round a block, which the robot has nearly come round; unknown beyond the
+// lower right corner.
+const std::vector<std::string> kRound = {"################################################",  //
+                                         "#..............................................#",  //
+                                         "#..............................................#",  //
+                                         "#..............................................#",  //
+                                         "#...########################################...#",  //
+                                         "#...########################################...#",  //
+                                         "#...########################################...#",  //
+                                         "#...............................................",  //
+                                         "#..............................................?",  //
+                                         "#..............................................?",  //
+                                         "################################################"};
+const core::Pose2 kRoundAt{2.5, 4.5, core::kPi};
+
+/// Round the block from its lower left corner, with a spread that grows.
+void driveRound(Strategy& strategy, const gridmap::OccupancyRaster& map) {
+  auto scan = circleScan();
+  scan.ranges_m.assign(scan.ranges_m.size(), lidar::kLostReading);
+  strategy.seeMap(map);
+  double spread_m = 0;
+  const auto at = [&](double x, double y) {
+    scan.time_s += 1;
+    strategy.seeSpread(spread_m += 0.003);
+    strategy.seeScan(scan, {x, y, 0});
+  };
+  for (double x = 1; x < 23; x += 0.5) at(x, 1);
+  for (double y = 1; y < 4.5; y += 0.5) at(23, y);
+  for (double x = 23; x >= kRoundAt.x; x -= 0.5) at(x, 4.5);
+}
+
+TEST(MapStrategies, GoBackForALoopWhereThePoseHasBecomeUncertain) {
+  const auto map = paths::enlarged(kRound, 10, 0.05);
+  for (const auto& name : mapStrategies()) {
+    const auto strategy = makeStrategy(named(name), {1, "strategy"});
+    driveRound(*strategy, map);
+    const auto back = strategy->decide(circleScan(), kRoundAt);
+    EXPECT_THAT(back.reason, testing::StartsWith("back for a loop: the pose, sure to 0.")) << name;
+    ASSERT_FALSE(back.path.empty()) << name;
+    EXPECT_LT(back.goal.x, 5) << name;
+    EXPECT_LT(back.goal.y, 2) << name;
+    EXPECT_GT(back.certainty_m, 0.15) << name;
+    EXPECT_GT(back.spread_m, back.certainty_m) << name;
+    ASSERT_EQ(back.alternatives.size(), 1U) << name;  // where it would have driven
+    EXPECT_TRUE(strategy->isStillGood(back, kRoundAt, 0)) << name;
+    // Once the loop is closed there is no need to drive the rest of the way.
+    strategy->seeSpread(0.02);
+    EXPECT_FALSE(strategy->isStillGood(back, kRoundAt, 0)) << name;
+    const auto next = strategy->decide(circleScan(), kRoundAt);
+    EXPECT_EQ(next.certainty_m, 0) << name << ": " << next.reason;
+    EXPECT_EQ(next.goal.x, back.alternatives.front().x) << name;
+    EXPECT_EQ(next.spread_m, 0.02) << name;
+  }
+}
+
+TEST(MapStrategies, GoBackOnceForALoopThatNobodyCloses) {
+  const auto map = paths::enlarged(kRound, 10, 0.05);
+  for (const auto& name : mapStrategies()) {
+    const auto strategy = makeStrategy(named(name), {1, "strategy"});
+    driveRound(*strategy, map);
+    const auto back = strategy->decide(circleScan(), kRoundAt);
+    ASSERT_GT(back.certainty_m, 0) << name;
+    strategy->tellOutcome(back, true);
+    strategy->seeMap(map);
+    const auto next = strategy->decide(circleScan(), {back.goal.x, back.goal.y, 0});
+    EXPECT_EQ(next.certainty_m, 0) << name << ": " << next.reason;
+    EXPECT_FALSE(next.finished) << name;
+  }
+}
+
+TEST(MapStrategies, DoNotGoBackWithoutRevisitOrWithoutACovariance) {
+  const auto map = paths::enlarged(kRound, 10, 0.05);
+  for (const auto& name : mapStrategies()) {
+    auto options = named(name);
+    options.revisit = false;
+    const auto strategy = makeStrategy(options, {1, "strategy"});
+    driveRound(*strategy, map);
+    const auto decision = strategy->decide(circleScan(), kRoundAt);
+    EXPECT_EQ(decision.certainty_m, 0) << name;
+    EXPECT_GT(decision.goal.x, 20) << name;
+    EXPECT_TRUE(std::isnan(decideOn(name, map, kRoundAt).spread_m)) << name;
+    EXPECT_EQ(decideOn(name, map, kRoundAt).certainty_m, 0) << name;
+  }
+}
+
 /// The whole loop with the simulator: noise on the lidar, walls to keep away from, doors to pass.
 TEST(MapExploration, SeesTheFlatAndTheMazeWholeWithoutACollision) {
   for (const std::string world : {"flat", "maze"}) {
