@@ -2,12 +2,12 @@
 """Going back for loops (active SLAM), on and off: the map's error, the pose's error and the way, paired.
 
     benchmarks/exploration/revisit.py [-p PROGRAM] [-n SEEDS] [-w WORLDS] [-S STRATEGIES] [-m METHODS] [-d SECONDS] [-r PRICE]
-                                      [-j THREADS] [-o FOLDER] [-t NAME]
+                                      [-x KEY=VALUE,...] [-j THREADS] [-o FOLDER] [-t NAME]
 
 Explores every world with every strategy, method and seed twice (rasterslam explore --set strategy.revisit=true and =false, 181
 beams) and writes FOLDER/NAME.csv (every run) and NAME.txt: medians with SLAM in the loop (a ranking of the strategies
 with each method), and the effect of revisit over pairs of the same world, strategy, method and seed with a sign test. Pairs in
-which the robot never went back are equal by construction and counted apart.
+which the robot never went back are equal by construction and counted apart. -x sets more for all runs, such as a worse lidar.
 
 A world is a committed one, or KIND-SEED-SIZE for a building made for it, such as office-21-30x20 (rasterslam world make).
 """
@@ -30,10 +30,11 @@ FIGURES = [("ate_rmse_m", "ATE m", False), ("ate_per_m", "ATE per 100 m driven",
 
 def explore(args, world, method, revisit, folder):
     output = os.path.join(folder, f"{world}_{method}_{revisit}")
+    more = [word for setting in args.x.split(",") if setting for word in ("--set", setting)]
     subprocess.run(
         [args.p, "explore", planOf(args, world, folder), "--strategy", args.S, "--slam", method, "--tables-only", "--seeds",
          str(args.n), "--duration", str(args.d), "--set", "lidar.beams=181", "--set", f"strategy.revisit={revisit}",
-         "--set", f"strategy.revisit_price={args.r}", "--threads", str(args.j), "-q", "-o", output],
+         "--set", f"strategy.revisit_price={args.r}", "--threads", str(args.j), "-q", "-o", output] + more,
         check=True, stdout=subprocess.DEVNULL)
     with open(os.path.join(output, "runs.csv"), newline="", encoding="utf-8") as file:
         return [dict(row, plan=world, slam=method, revisit=revisit) for row in csv.DictReader(file)]
@@ -85,6 +86,7 @@ def main():
     parser.add_argument("-m", default="graph,icp")
     parser.add_argument("-d", type=float, default=1500)
     parser.add_argument("-r", type=float, default=100)
+    parser.add_argument("-x", default="")
     parser.add_argument("-t", default="exploration_revisit")
     args = parser.parse_args()
     rows = []
@@ -99,7 +101,7 @@ def main():
         table.writeheader()
         table.writerows(rows)
     with open(os.path.join(args.o, args.t + ".txt"), "w", encoding="utf-8") as file:
-        print(f"Made by: benchmarks/exploration/revisit.py -n {args.n} -w {args.w} -S {args.S} -m {args.m} -d {args.d:g} -r {args.r:g}", file=file)
+        print(f"Made by: benchmarks/exploration/revisit.py -n {args.n} -w {args.w} -S {args.S} -m {args.m} -d {args.d:g} -r {args.r:g}" + (f" -x {args.x}" if args.x else ""), file=file)
         rank(rows, args, file)
         for method in args.m.split(","):
             for world in args.w.split(",") + [None]:

@@ -1,6 +1,7 @@
 #include "libslam/paths/free_space.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "libslam/core/error.h"
 
@@ -81,6 +82,50 @@ std::vector<std::int16_t> squaredClearance(const FreeSpace& space, std::uint8_t 
     }
   }
   return clearance;
+}
+
+CellBlock changedCells(const FreeSpace& a, const FreeSpace& b) {
+  if (a.columns != b.columns || a.rows != b.rows)
+    throw core::ContractError("changedCells: expected two maps of equal size");
+  const auto width = static_cast<std::size_t>(a.columns);
+  CellBlock block{a.columns, a.rows, 0, 0};
+  for (int row = 0; row < a.rows; ++row) {
+    const std::uint8_t *p = a.state.data() + a.index(0, row), *q = b.state.data() + a.index(0, row);
+    if (std::memcmp(p, q, width) == 0) continue;
+    block.first_row = std::min(block.first_row, row);
+    block.last_row = row + 1;
+    const auto first = std::mismatch(p, p + width, q).first - p;
+    int last = a.columns;
+    while (p[last - 1] == q[last - 1]) --last;
+    block.first_column = std::min(block.first_column, static_cast<int>(first));
+    block.last_column = std::max(block.last_column, last);
+  }
+  return block.last_row == 0 ? CellBlock{} : block;
+}
+
+CellBlock grown(const CellBlock& block, int cells, const FreeSpace& space) {
+  return {std::max(block.first_column - cells, 0), std::max(block.first_row - cells, 0),
+          std::min(block.last_column + cells, space.columns), std::min(block.last_row + cells, space.rows)};
+}
+
+FreeSpace cutOut(const FreeSpace& space, const CellBlock& block) {
+  FreeSpace part;
+  part.columns = block.columns();
+  part.rows = block.last_row - block.first_row;
+  part.resolution_m = space.resolution_m;
+  part.x_min_m = space.x_min_m + block.first_column * space.resolution_m;
+  part.y_min_m = space.y_min_m + block.first_row * space.resolution_m;
+  part.state.resize(block.cells());
+  for (int row = 0; row < part.rows; ++row)
+    std::copy_n(space.state.data() + space.index(block.first_column, block.first_row + row), part.columns,
+                part.state.data() + part.index(0, row));
+  return part;
+}
+
+void paste(const FreeSpace& from, const CellBlock& block, FreeSpace& to) {
+  for (int row = block.first_row; row < block.last_row; ++row)
+    std::copy_n(from.state.data() + from.index(block.first_column, row), block.columns(),
+                to.state.data() + to.index(block.first_column, row));
 }
 
 void closeGaps(FreeSpace& space) {

@@ -44,6 +44,25 @@ struct FreeSpace {
 /// not columns * rows, a size is negative, the resolution is not positive (ContractError).
 FreeSpace readFreeSpace(const gridmap::OccupancyRaster& map);
 
+/// A block of cells, up to but without the last column and row.
+struct CellBlock {
+  int first_column = 0, first_row = 0, last_column = 0, last_row = 0;
+  bool isEmpty() const { return last_column <= first_column || last_row <= first_row; }
+  int columns() const { return last_column - first_column; }
+  std::size_t cells() const {
+    return isEmpty() ? 0
+                     : static_cast<std::size_t>(columns()) * static_cast<std::size_t>(last_row - first_row);
+  }
+};
+/// The least block that holds all cells whose states differ. REQUIRES two maps of equal size (ContractError).
+CellBlock changedCells(const FreeSpace& a, const FreeSpace& b);
+/// By so many cells to each side, as far as the map goes.
+CellBlock grown(const CellBlock& block, int cells, const FreeSpace& space);
+/// The states of the block as a map of its own, without a border; `known` is not counted.
+FreeSpace cutOut(const FreeSpace& space, const CellBlock& block);
+/// The states of the block, from a map into one of equal size.
+void paste(const FreeSpace& from, const CellBlock& block, FreeSpace& to);
+
 /// Squared distance in cells from the centre of every cell to the centre of the nearest cell whose state has
 /// a bit of `obstacles`, exact up to reach_cells and reach_cells^2 beyond. In two passes as Felzenszwalb and
 /// Huttenlocher, "Distance transforms of sampled functions" (Theory of Computing 8, 2012), but with the

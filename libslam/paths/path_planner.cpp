@@ -3,22 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "libslam/core/error.h"
+#include <utility>
 
 namespace slam::paths {
 namespace {
 
 // A diagonal step is 7 where a straight one is 5 (1.4 for the root of 2); times a factor in quarters.
-constexpr int kStraight = 5, kDiagonal = 7, kOne = 4;
-constexpr int kDearest = 4 * kOne;
+constexpr int kStraight = 5, kDiagonal = 7;
+constexpr int kOne = PlanningNodes::kOne, kDearest = PlanningNodes::kDearest;
 constexpr std::size_t kBuckets = 128;  // above the dearest step, kDiagonal * kDearest = 112
 constexpr double kEscape_m = 1.5;
 constexpr double kStartRing_m = 0.3;
 // Nobody wants to drive where the robot does not fit: leaving such a place costs as the dearest driving.
 constexpr double kEscapeFactor = 4;
-// From 15 cells on best_cell_ would overflow.
-constexpr int kMostCellsPerNode = 15;
 
 struct Direction {
   int dc, dr, cost;
@@ -33,73 +30,36 @@ constexpr std::array<Direction, 8> kDirections = {{{1, 0, kStraight},
                                                    {1, -1, kDiagonal}}};
 constexpr std::uint8_t kNoDirection = 255;
 
-/// Least squared distance of centres, in cells, at which a disc of radius_m clears the obstacle cell's square
-/// when it meets one of its sides.
-std::int16_t squaredCells(double radius_m, double resolution_m) {
-  const double cells = radius_m / resolution_m + 0.5;
-  return static_cast<std::int16_t>(std::ceil(cells * cells - 1e-9));
-}
-
 }  // namespace
 
 PathPlanner::PathPlanner(const FreeSpace& space, const PlannerOptions& options,
                          const core::Point2& p_map_robot)
-    : space_(space), options_(options), robot_(p_map_robot) {
-  if (!(options.radius_m > 0) || !(options.comfort_m >= options.radius_m) || !(options.node_m > 0))
-    throw core::ContractError("PathPlanner: expected 0 < radius_m <= comfort_m and a positive node_m");
-  per_node_ =
-      std::clamp(static_cast<int>(std::lround(options.node_m / space.resolution_m)), 1, kMostCellsPerNode);
-  unit_m_ = per_node_ * space.resolution_m / (kStraight * kOne);
-  admitted_ = squaredCells(options.radius_m, space.resolution_m);
-  comfort_ = squaredCells(options.comfort_m, space.resolution_m);
-  const int reach = static_cast<int>(std::ceil(std::sqrt(comfort_))) + 1;
-  const auto obstacles =
-      static_cast<std::uint8_t>(options.optimistic ? kOccupiedCell : kOccupiedCell | kUnknownCell);
-  clearance_ = squaredClearance(space, obstacles, reach);
-  factor_of_.assign(static_cast<std::size_t>(reach * reach) + 1, 0);
-  for (std::size_t d = static_cast<std::size_t>(admitted_); d < factor_of_.size(); ++d) {
-    const double near = std::sqrt(admitted_), far = std::sqrt(comfort_), here = std::sqrt(d);
-    const double closeness = far > near ? std::clamp((far - here) / (far - near), 0.0, 1.0) : 0.0;
-    factor_of_[d] = static_cast<std::uint8_t>(std::lround(kOne + closeness * (kDearest - kOne)));
-  }
-  makeNodes();
-  tight_ = admitted_;
+    : PathPlanner(space, std::make_shared<PlanningNodes>(space, options), options, p_map_robot) {}
+
+PathPlanner::PathPlanner(const PlanningGround& ground, const PlannerOptions& options,
+                         const core::Point2& p_map_robot)
+    : PathPlanner(ground.space(), ground.nodes(), options, p_map_robot) {}
+
+PathPlanner::PathPlanner(const FreeSpace& space, std::shared_ptr<const PlanningNodes> nodes,
+                         const PlannerOptions& options, const core::Point2& p_map_robot)
+    : space_(space),
+      options_(options),
+      robot_(p_map_robot),
+      nodes_(std::move(nodes)),
+      per_node_(nodes_->per_node),
+      columns_(nodes_->columns),
+      rows_(nodes_->rows),
+      unit_m_(per_node_ * space.resolution_m / (kStraight * kOne)),
+      tight_(nodes_->admitted),
+      factor_(nodes_->factor) {
   if (options.tight_start) openStart();
   spread();
   spreadLook();
 }
 
-void PathPlanner::makeNodes() {
-  columns_ = (space_.columns + per_node_ - 1) / per_node_ + 2;
-  rows_ = (space_.rows + per_node_ - 1) / per_node_ + 2;
-  const auto count = static_cast<std::size_t>(columns_) * rows_;
-  factor_.assign(count, 0);
-  best_cell_.assign(count, 0);
-  std::vector<std::int16_t> best(static_cast<std::size_t>(columns_));
-  for (int row = 1; row + 1 < rows_; ++row) {
-    std::fill(best.begin(), best.end(), std::int16_t{-1});
-    std::uint8_t* const best_cell = best_cell_.data() + static_cast<std::size_t>(row) * columns_;
-    for (int dr = 0; dr < per_node_; ++dr) {
-      const int cell_row = (row - 1) * per_node_ + dr;
-      if (cell_row >= space_.rows) break;
-      const std::int16_t* clearance = clearance_.data() + space_.index(0, cell_row);
-      for (int cell_column = 0, node = 1; cell_column < space_.columns; ++node)
-        for (int dc = 0; dc < per_node_ && cell_column < space_.columns; ++dc, ++cell_column)
-          if (clearance[cell_column] > best[static_cast<std::size_t>(node)]) {
-            best[static_cast<std::size_t>(node)] = clearance[cell_column];
-            best_cell[node] = static_cast<std::uint8_t>(dr * per_node_ + dc);
-          }
-    }
-    std::uint8_t* const factor = factor_.data() + static_cast<std::size_t>(row) * columns_;
-    for (int node = 1; node + 1 < columns_; ++node)
-      if (best[static_cast<std::size_t>(node)] >= 0)
-        factor[node] = factor_of_[static_cast<std::size_t>(best[static_cast<std::size_t>(node)])];
-  }
-}
-
 void PathPlanner::openStart() {
   const double tight_m = std::max(options_.radius_m - space_.resolution_m, space_.resolution_m);
-  tight_ = squaredCells(tight_m, space_.resolution_m);
+  tight_ = clearingSquare(tight_m, space_.resolution_m);
   const int column = space_.columnOf(robot_.x), row = space_.rowOf(robot_.y);
   if (!std::isfinite(robot_.x) || !std::isfinite(robot_.y) || !space_.contains(column, row)) return;
   const Node here = nodeOf(space_.index(column, row));
@@ -108,14 +68,14 @@ void PathPlanner::openStart() {
     for (int c = std::max(1, here % columns_ - reach); c <= std::min(columns_ - 2, here % columns_ + reach);
          ++c) {
       const Node node = r * columns_ + c;
-      if (factor_[static_cast<std::size_t>(node)] == 0 && clearance_[cellOf(node)] >= tight_ &&
+      if (factor_[static_cast<std::size_t>(node)] == 0 && nodes_->clearance[cellOf(node)] >= tight_ &&
           core::distance(pointOf(node), robot_) <= kEscape_m)
         factor_[static_cast<std::size_t>(node)] = kDearest;
     }
 }
 
 std::size_t PathPlanner::cellOf(Node node) const {
-  const int cell = best_cell_[static_cast<std::size_t>(node)];
+  const int cell = nodes_->best_cell[static_cast<std::size_t>(node)];
   const int column = (node % columns_ - 1) * per_node_ + cell % per_node_;
   const int row = (node / columns_ - 1) * per_node_ + cell / per_node_;
   return space_.index(column, row);
@@ -136,8 +96,9 @@ bool PathPlanner::passes(Node a, Node b) const {
   const auto middle = [&](std::size_t u, std::size_t v) { return static_cast<int>((u + v) / 2); };
   const auto between =
       space_.index(middle(cell_a % width, cell_b % width), middle(cell_a / width, cell_b / width));
-  const bool near_start = tight_ < admitted_ && core::distance(space_.centreOf(between), robot_) <= kEscape_m;
-  return clearance_[between] >= (near_start ? tight_ : admitted_);
+  const bool near_start =
+      tight_ < nodes_->admitted && core::distance(space_.centreOf(between), robot_) <= kEscape_m;
+  return nodes_->clearance[between] >= (near_start ? tight_ : nodes_->admitted);
 }
 
 std::vector<std::pair<PathPlanner::Node, std::int32_t>> PathPlanner::startNodes() const {
@@ -192,9 +153,10 @@ void PathPlanner::spread() {
   for (std::size_t d = 0; d < 8; ++d) step[d] = kDirections[d].dr * columns_ + kDirections[d].dc;
   // Only between nodes this near to obstacles can a step cut through something: two cells are at most
   // (2 per_node - 1) root 2 apart, and clearance falls by at most one per cell.
-  const double safe = std::sqrt(admitted_) + 1.5 * per_node_;
+  const double safe = std::sqrt(nodes_->admitted) + 1.5 * per_node_;
   const auto safe_at = static_cast<std::size_t>(safe * safe);
-  const std::uint8_t doubtful = safe_at < factor_of_.size() ? factor_of_[safe_at] : std::uint8_t{kOne};
+  const std::uint8_t doubtful =
+      safe_at < nodes_->factor_of.size() ? nodes_->factor_of[safe_at] : std::uint8_t{kOne};
 
   std::size_t next_start = 0, in_buckets = 0;
   for (std::int32_t cost = 0; in_buckets > 0 || next_start < waiting.size(); ++cost) {
@@ -229,6 +191,14 @@ void PathPlanner::spread() {
   }
 }
 
+/// All nodes beside one of a lower factor are admitted, and nothing stands between: their cells are at most
+/// (2 per_node - 1) root 2 apart, and clearance falls by at most one per cell.
+std::uint8_t PathPlanner::rimFactor() const {
+  const double safe = std::sqrt(nodes_->admitted) + std::sqrt(2.0) * (2 * per_node_ - 1);
+  const auto safe_at = static_cast<std::size_t>(std::ceil(safe * safe));
+  return safe_at < nodes_->factor_of.size() ? nodes_->factor_of[safe_at - 1] : std::uint8_t{0};
+}
+
 void PathPlanner::spreadLook() {
   look_depth_.assign(factor_.size(), 0);
   const auto most =
@@ -247,9 +217,12 @@ void PathPlanner::spreadLook() {
       next.push_back(to);
     }
   };
+  const std::uint8_t rim = rimFactor();
   for (Node node = columns_; node < columns_ * (rows_ - 1) && most > 0; ++node)
     // Only at the rim of what was reached, where the factor is high, can there be anything beyond.
-    if (cost_[static_cast<std::size_t>(node)] != kNotReached) enter(node, 1);
+    if (factor_[static_cast<std::size_t>(node)] >= rim &&
+        cost_[static_cast<std::size_t>(node)] != kNotReached)
+      enter(node, 1);
   for (std::uint8_t depth = 2; depth <= most && !next.empty(); ++depth) {
     wave.swap(next);
     next.clear();
@@ -298,7 +271,8 @@ double PathPlanner::lineCost(const core::Point2& a, const core::Point2& b) const
     const double s = static_cast<double>(i) / steps;
     const int column = space_.columnOf(a.x + s * (b.x - a.x)), row = space_.rowOf(a.y + s * (b.y - a.y));
     if (!space_.contains(column, row)) return std::numeric_limits<double>::infinity();
-    const int factor = factor_of_[static_cast<std::size_t>(clearance_[space_.index(column, row)])];
+    const int factor =
+        nodes_->factor_of[static_cast<std::size_t>(nodes_->clearance[space_.index(column, row)])];
     if (factor == 0) return std::numeric_limits<double>::infinity();
     sum += factor;
   }

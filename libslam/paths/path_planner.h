@@ -1,25 +1,14 @@
 #pragma once
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/paths/free_space.h"
+#include "libslam/paths/planning_ground.h"
 
 namespace slam::paths {
-
-/// How near to obstacles a path may lead.
-struct PlannerOptions {
-  double radius_m = 0.35;   ///< the centre never comes nearer to an obstacle than this
-  double comfort_m = 0.65;  ///< nearer than this a path costs more, so that doors are passed in their middle
-  double node_m = 0.1;      ///< spacing of the planning nodes, at least one cell
-  double look_m = 1.0;      ///< how far beyond the places that admit the robot free cells count as in reach
-  bool optimistic = false;  ///< unknown cells are no obstacles
-  /// Within 1.5 m of the robot the way may lead a cell nearer to obstacles than radius_m, at the dearest
-  /// factor: a robot that came to where it stands can leave again, though the noisy map has closed in on it.
-  bool tight_start = false;
-};
 
 /// Shortest ways from the robot to everywhere: Dijkstra's wavefront (Numerische Mathematik 1, 1959) over
 /// 8-connected nodes with integer costs in Dial's circular buckets (Communications of the ACM 12(11), 1969).
@@ -39,6 +28,8 @@ class PathPlanner {
 
   /// Keeps a reference to `space`. Cost: see squaredClearance(), and about 20 ns per admitted node.
   PathPlanner(const FreeSpace& space, const PlannerOptions& options, const core::Point2& p_map_robot);
+  /// The same on a ground that was made with these options. Keeps a reference to its map.
+  PathPlanner(const PlanningGround& ground, const PlannerOptions& options, const core::Point2& p_map_robot);
 
   /// True when the robot stands at an admitted node or can leave to one.
   bool hasStart() const { return has_start_; }
@@ -65,12 +56,14 @@ class PathPlanner {
   double nodeSide_m() const { return per_node_ * space_.resolution_m; }
 
  private:
+  PathPlanner(const FreeSpace& space, std::shared_ptr<const PlanningNodes> nodes,
+              const PlannerOptions& options, const core::Point2& p_map_robot);
   std::size_t cellOf(Node node) const;
-  void makeNodes();
   void openStart();
   bool passes(Node a, Node b) const;
   std::vector<std::pair<Node, std::int32_t>> startNodes() const;
   void spread();
+  std::uint8_t rimFactor() const;
   void spreadLook();
   double lineCost(const core::Point2& a, const core::Point2& b) const;
 
@@ -78,15 +71,11 @@ class PathPlanner {
   PlannerOptions options_;
   core::Point2 robot_;
   bool has_start_ = false;
-  int per_node_ = 1;                         ///< cells along a node's side
-  int columns_ = 0, rows_ = 0;               ///< of nodes, with a blocked border
-  double unit_m_ = 1;                        ///< metres of one unit of cost
-  std::int16_t admitted_ = 0, comfort_ = 0;  ///< squared clearances in cells
-  std::int16_t tight_ = 0;                   ///< the same, near the start
-  std::vector<std::int16_t> clearance_;      ///< per cell
-  std::vector<std::uint8_t> factor_of_;      ///< cost factor by squared clearance; 0 = not admitted
-  std::vector<std::uint8_t> factor_;         ///< per node, 0 = not admitted
-  std::vector<std::uint8_t> best_cell_;   ///< per node: the cell that stands for it, row by row in the node
+  std::shared_ptr<const PlanningNodes> nodes_;
+  int per_node_, columns_, rows_;         ///< as nodes_ has them
+  double unit_m_;                         ///< metres of one unit of cost
+  std::int16_t tight_;                    ///< squared clearance near the start, as nodes_->admitted
+  std::vector<std::uint8_t> factor_;      ///< per node, 0 = not admitted: nodes_' and what the start opens
   std::vector<std::int32_t> cost_;        ///< per node
   std::vector<std::uint8_t> from_;        ///< per node: direction to the node before it
   std::vector<std::uint8_t> look_depth_;  ///< per node beyond the reached ones

@@ -175,15 +175,13 @@ std::vector<choices::Viewpoint> MapStrategy::viewpointsFor(
 }
 
 /// In a team: those of the viewpoints that are for this robot to go to.
-void MapStrategy::keepMine(std::vector<choices::Viewpoint>& viewpoints) const {
-  paths::FreeSpace driving = *space_;
-  paths::closeGaps(driving);
+void MapStrategy::keepMine(std::vector<choices::Viewpoint>& viewpoints) {
   std::vector<choices::Teammate> heard;
   std::vector<paths::PathPlanner> theirs;
   for (const auto& mate : team_) {
     if (!mate.is_heard) continue;
     heard.push_back(mate);
-    theirs.push_back(plan(driving, false, {mate.p_map.x, mate.p_map.y, 0}));
+    theirs.push_back(plan(mate.p_map));
   }
   choices::keepWellPlaced(viewpoints, theirs, heard);
 }
@@ -230,15 +228,28 @@ choices::Decision MapStrategy::finishedDecision() const {
   return decision;
 }
 
-paths::PathPlanner MapStrategy::plan(const paths::FreeSpace& driving, bool bare,
-                                     const core::Pose2& T_map_robot) const {
+paths::PlannerOptions MapStrategy::planning(bool bare) const {
   paths::PlannerOptions planning;
   planning.radius_m = robot::circumscribedRadius(robot_) + (bare ? 0 : options_.plan_margin_m);
   planning.comfort_m = std::max(planning.radius_m, options_.comfort_m);
   planning.look_m = options_.look_m;
   planning.optimistic = options_.optimistic;
   planning.tight_start = bare;
-  return paths::PathPlanner(driving, planning, core::position(T_map_robot));
+  return planning;
+}
+
+/// With the margin, by the newest map.
+paths::PathPlanner MapStrategy::plan(const core::Point2& p_map_robot) {
+  ground_.update(*space_, planning(false));
+  return paths::PathPlanner(ground_, planning(false), p_map_robot);
+}
+
+/// The map to drive by for the disc alone.
+paths::FreeSpace MapStrategy::bareSpace(const core::Pose2& T_map_robot) const {
+  paths::FreeSpace driving = *space_;
+  paths::closeGaps(driving);
+  clearBody(driving, core::position(T_map_robot), robot::circumscribedRadius(robot_));
+  return driving;
 }
 
 /// Nothing when there is nowhere to go by this plan.
@@ -326,14 +337,6 @@ choices::Decision MapStrategy::decideNext(const lidar::Scan& scan, const core::P
   return late.path.empty() ? late : choices::comingAfter(std::move(late), T_map_robot);
 }
 
-/// The map to drive by; bare: by the disc alone.
-paths::FreeSpace MapStrategy::drivingSpace(bool bare, const core::Pose2& T_map_robot) const {
-  paths::FreeSpace driving = *space_;
-  paths::closeGaps(driving);
-  if (bare) clearBody(driving, core::position(T_map_robot), robot::circumscribedRadius(robot_));
-  return driving;
-}
-
 /// By what is to be looked at.
 choices::Decision MapStrategy::decideOn(const paths::FreeSpace& looking, const lidar::Scan& scan,
                                         const core::Pose2& T_map_robot) {
@@ -342,8 +345,9 @@ choices::Decision MapStrategy::decideOn(const paths::FreeSpace& looking, const l
   const bool only_bare = std::exchange(bare_next_, false);
   for (const bool bare : {false, true}) {
     if (only_bare && !bare) continue;
-    const paths::FreeSpace driving = drivingSpace(bare, T_map_robot);
-    const paths::PathPlanner planner = plan(driving, bare, T_map_robot);
+    const core::Point2 here = core::position(T_map_robot);
+    const paths::FreeSpace disc = bare ? bareSpace(T_map_robot) : paths::FreeSpace();
+    const paths::PathPlanner planner = bare ? paths::PathPlanner(disc, planning(true), here) : plan(here);
     if (!planner.hasStart()) continue;
     has_start = true;
     if (auto decision = goOn(planner, looking, scan, T_map_robot)) return *std::move(decision);

@@ -103,11 +103,12 @@ class MapStrategy : public Strategy {
   std::optional<choices::Decision> goBack(const choices::Decision& next, const core::Pose2& T_map_robot);
   choices::Decision decideOn(const paths::FreeSpace& looking, const lidar::Scan& scan,
                              const core::Pose2& T_map_robot);
-  void keepMine(std::vector<choices::Viewpoint>& viewpoints) const;
+  void keepMine(std::vector<choices::Viewpoint>& viewpoints);
   paths::FreeSpace withoutFalseFrontiers() const;
   void judgeLook();
-  paths::FreeSpace drivingSpace(bool bare, const core::Pose2& T_map_robot) const;
-  paths::PathPlanner plan(const paths::FreeSpace& driving, bool bare, const core::Pose2& T_map_robot) const;
+  paths::PlannerOptions planning(bool bare) const;
+  paths::PathPlanner plan(const core::Point2& p_map_robot);
+  paths::FreeSpace bareSpace(const core::Pose2& T_map_robot) const;
   std::optional<choices::Decision> goOn(const paths::PathPlanner& planner, const paths::FreeSpace& looking,
                                         const lidar::Scan& scan, const core::Pose2& T_map_robot);
   std::vector<paths::Frontier> openFrontiers(const paths::FreeSpace& looking,
@@ -130,6 +131,7 @@ class MapStrategy : public Strategy {
   StrategyOptions options_;
   robot::RobotOptions robot_;
   std::optional<paths::FreeSpace> space_;
+  paths::PlanningGround ground_;      ///< to drive by with the margin
   std::vector<core::Point2> target_;  ///< the frontier cells that the present goal is for
   std::vector<core::Point2> spent_;   ///< viewpoints that have been looked from
   struct Failure {

@@ -82,8 +82,8 @@ std::optional<choices::Decision> MapStrategy::goBack(const choices::Decision& ne
                                                      const core::Pose2& T_map_robot) {
   if (is_making_way_ || next.wait_s > 0 || (next.path.empty() && !next.finished) || !certainty_.mayPay())
     return std::nullopt;
-  const paths::FreeSpace driving = drivingSpace(false, T_map_robot);
-  const paths::PathPlanner planner = plan(driving, false, T_map_robot);
+  const paths::PathPlanner planner = plan(core::position(T_map_robot));
+  const paths::FreeSpace& driving = ground_.space();
   std::optional<paths::PathPlanner::Node> goal;
   if (!next.path.empty()) {
     goal = planner.nodeOf(driving.index(driving.columnOf(next.goal.x), driving.rowOf(next.goal.y)));
@@ -127,8 +127,8 @@ std::optional<choices::Decision> MapStrategy::wait(const core::Pose2& T_map_robo
 
 /// To where there is most room around the robot, of what is near.
 std::optional<choices::Decision> MapStrategy::makeWay(const core::Pose2& T_map_robot) const {
-  const paths::FreeSpace driving = drivingSpace(true, T_map_robot);
-  const paths::PathPlanner planner = plan(driving, true, T_map_robot);
+  const paths::FreeSpace driving = bareSpace(T_map_robot);
+  const paths::PathPlanner planner(driving, planning(true), core::position(T_map_robot));
   const int reach_cells = std::clamp(static_cast<int>(kRoom_m / driving.resolution_m), 1, 120);
   const auto clearance =
       paths::squaredClearance(driving, paths::kOccupiedCell | paths::kUnknownCell, reach_cells);

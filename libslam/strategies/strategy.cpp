@@ -106,7 +106,7 @@ const files::ParameterTable<StrategyOptions>& StrategyOptions::table() {
         "free",
         {"free", "looked_at"},
         "floor that the sensor has not shown: free, or turned to and looked at before it is driven on"},
-       {"revisit", &O::revisit, true,
+       {"revisit", &O::revisit, false,
         "strategies on the map: where the SLAM method reports that the pose has become uncertain, go back to "
         "where it was surer, for a loop, when that is worth the detour"},
        {"revisit_price", &O::revisit_price, 100.0, 0.0, 1e6,
