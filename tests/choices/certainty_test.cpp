@@ -113,7 +113,7 @@ TEST(Certainty, APlaceThatClosedNoLoopDrawsNobodyAgain) {
   const Ring ring;
   Certainty certainty(100);
   double spread_m = roundTheRing(certainty, 0.005);
-  auto planner = ring.plannerAt(kNearStart);
+  const auto planner = ring.plannerAt(kNearStart);
   const auto back = certainty.best(ring.space, planner, std::nullopt);
   ASSERT_TRUE(back);
   EXPECT_FALSE(certainty.isDone(*back));
@@ -121,8 +121,7 @@ TEST(Certainty, APlaceThatClosedNoLoopDrawsNobodyAgain) {
   drive(certainty, {1, 4.5}, back->p_map, spread_m, 0.005);
   EXPECT_FALSE(certainty.isDone(*back));
   certainty.end(back->p_map);
-  planner = ring.plannerAt(back->p_map);
-  const auto again = certainty.best(ring.space, planner, std::nullopt);
+  const auto again = certainty.best(ring.space, ring.plannerAt(back->p_map), std::nullopt);
   EXPECT_TRUE(!again || core::distance(again->p_map, back->p_map) > 4);
 }
 

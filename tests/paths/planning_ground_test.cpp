@@ -115,7 +115,9 @@ TEST(PlanningGround, PlansAsTheWholeMapDoes) {
     ASSERT_EQ(a.reachedCount(), b.reachedCount());
     for (PathPlanner::Node node = 0; node < a.nodeColumns() * a.nodeRows(); ++node) {
       ASSERT_EQ(a.isReached(node), b.isReached(node));
-      if (a.isReached(node)) ASSERT_EQ(a.cost(node), b.cost(node));
+      if (a.isReached(node)) {
+        ASSERT_EQ(a.cost(node), b.cost(node));
+      }
       ASSERT_EQ(a.accessOf(node), b.accessOf(node));
     }
   }
