@@ -37,33 +37,36 @@ bool isFrontierCell(const FreeSpace& space, std::size_t cell) {
 
 std::vector<Frontier> findFrontiers(const FreeSpace& space, std::size_t min_cells) {
   const auto cells = frontierCells(space);
-  // Neighbours are looked up in the sorted list itself: a raster of marks would cost more than all the rest.
-  std::vector<char> taken(cells.size(), 0);
-  std::vector<Frontier> frontiers;
-  std::vector<std::size_t> open;
   const auto width = static_cast<std::size_t>(space.columns);
-  const auto take = [&](std::size_t first, std::size_t last) {  // cells first..last that are in the list
-    auto it = std::lower_bound(cells.begin(), cells.end(), first);
-    for (; it != cells.end() && *it <= last; ++it) {
-      const auto i = static_cast<std::size_t>(it - cells.begin());
-      if (taken[i]) continue;
-      taken[i] = 1;
-      open.push_back(i);
-    }
+  // Each cell points at an earlier one beside it, the first of its frontier at itself. A raster of marks
+  // would cost more than all the rest.
+  std::vector<std::size_t> before(cells.size());
+  const auto firstOf = [&](std::size_t i) {
+    while (before[i] != i) i = before[i] = before[before[i]];
+    return i;
   };
-  for (std::size_t seed = 0; seed < cells.size(); ++seed) {
-    if (taken[seed]) continue;
-    Frontier frontier;
-    take(cells[seed], cells[seed]);
-    while (!open.empty()) {
-      const std::size_t cell = cells[open.back()];
-      open.pop_back();
-      frontier.cells.push_back(cell);
-      for (const std::size_t row : {cell - width, cell, cell + width}) take(row - 1, row + 1);
+  const auto join = [&](std::size_t i, std::size_t j) {
+    const std::size_t a = firstOf(i), b = firstOf(j);
+    before[std::max(a, b)] = std::min(a, b);
+  };
+  std::size_t above = 0;  // the first that may touch the one at hand from the row before
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    before[i] = i;
+    if (i > 0 && cells[i - 1] + 1 == cells[i]) join(i, i - 1);
+    while (cells[above] + width + 1 < cells[i]) ++above;
+    for (std::size_t j = above; j < i && cells[j] + width <= cells[i] + 1; ++j) join(i, j);
+  }
+  std::vector<std::size_t> size(cells.size(), 0), place(cells.size(), 0);
+  for (std::size_t i = 0; i < cells.size(); ++i) ++size[firstOf(i)];
+  std::vector<Frontier> frontiers;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::size_t first = firstOf(i);
+    if (size[first] < min_cells) continue;
+    if (first == i) {
+      place[i] = frontiers.size();
+      frontiers.emplace_back().cells.reserve(size[i]);
     }
-    if (frontier.cells.size() < min_cells) continue;
-    std::sort(frontier.cells.begin(), frontier.cells.end());
-    frontiers.push_back(std::move(frontier));
+    frontiers[place[first]].cells.push_back(cells[i]);
   }
   return frontiers;
 }
