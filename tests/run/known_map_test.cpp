@@ -140,7 +140,7 @@ TEST_F(InAGrid, ThePosesAreThoseOfTheRosMapsFrame) {
   ASSERT_TRUE(run.lost_share);
   EXPECT_EQ(*run.lost_share, 0);
   const auto evaluation =
-      score::evaluate(results::loadRun(*folder_ / "in_plan"), score::Truth{truth, {}, {}});
+      score::evaluate(results::loadRun(*folder_ / "in_plan"), score::Truth{truth, {}, {}, {}});
   EXPECT_EQ(evaluation.align, metrics::Align::kNone);
   EXPECT_LT(evaluation.trajectory.position_m.max, 0.05);  // a cell of the plan
   EXPECT_EQ(evaluation.lost_share, 0);
@@ -158,7 +158,7 @@ TEST_F(InAGrid, SoInMrptsGrid) {
   const score::Alignment alignment{metrics::Align::kNone,
                                    score::mapFrame(run.manifest, *folder_ / "drive1.gt.tum")};
   EXPECT_LT(core::distance(alignment.T_truth_map, T_world_map), 1e-9);
-  EXPECT_LT(score::evaluate(run, score::Truth{truth, {}, {}}, alignment).trajectory.position_m.rmse, 0.05);
+  EXPECT_LT(score::evaluate(run, score::Truth{truth, {}, {}, {}}, alignment).trajectory.position_m.rmse, 0.05);
 }
 
 std::vector<core::JournalLine> journalOf(const std::vector<std::pair<double, std::string>>& events) {
