@@ -48,8 +48,7 @@ class Certainty {
   /// Whether best() may find anything, by straight lines: cheap.
   bool mayPay() const;
   /// The return whose gain pays most beyond its detour, if any pays; none when the way on leads there anyway.
-  /// `next`: where the robot drives to
-  /// without it, if anywhere; reached. `planner` is that of `space`.
+  /// `next`: where the robot drives to without it, if anywhere; reached. `planner` is that of `space`.
   std::optional<Return> best(const paths::FreeSpace& space, const paths::PathPlanner& planner,
                              std::optional<paths::PathPlanner::Node> next) const;
   /// It drives there now: counts against the share.
