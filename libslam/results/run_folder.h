@@ -21,7 +21,7 @@ struct RunFolder {
       covariances;  ///< of `estimate`, pose by pose; empty where the method gives none
   std::vector<StampedCovariance> final_covariances;  ///< the same of `final_estimate`
   std::vector<RelativeCovariance> relative_covariances;
-  world::Plan map;                                   ///< in the map frame
+  world::Plan map;  ///< in the map frame
   resources::Manifest manifest;
   Cost cost;
 };

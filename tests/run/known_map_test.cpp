@@ -158,7 +158,8 @@ TEST_F(InAGrid, SoInMrptsGrid) {
   const score::Alignment alignment{metrics::Align::kNone,
                                    score::mapFrame(run.manifest, *folder_ / "drive1.gt.tum")};
   EXPECT_LT(core::distance(alignment.T_truth_map, T_world_map), 1e-9);
-  EXPECT_LT(score::evaluate(run, score::Truth{truth, {}, {}, {}}, alignment).trajectory.position_m.rmse, 0.05);
+  EXPECT_LT(score::evaluate(run, score::Truth{truth, {}, {}, {}}, alignment).trajectory.position_m.rmse,
+            0.05);
 }
 
 std::vector<core::JournalLine> journalOf(const std::vector<std::pair<double, std::string>>& events) {
