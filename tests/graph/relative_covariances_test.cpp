@@ -9,6 +9,10 @@
 namespace slam::graph {
 namespace {
 
+using test_drives::drive;
+using test_drives::lapsAround;
+using test_drives::ring;
+
 TEST(RelativeCovariances, SayHowSurePosesAreOfOneAnother) {
   const auto log = drive(ring(), lapsAround(1), {}, 0);
   GraphSlam graph{keyframes::GraphOptions()};
