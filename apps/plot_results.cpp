@@ -222,9 +222,8 @@ void addConsistencyPlot(CLI::App& plot, Context& context) {
   command->get_option("input")->expected(1, 100);
   addMethods(command, arguments);
   command->footer(
-      "Above the diagonal a method is conservative, below it overconfident. Of three and more folders, such "
-      "as "
-      "runs with other seeds,\nthe whiskers at 50 and 95 % are 95 % intervals over the runs.\n"
+      "Above the diagonal a method is conservative, below it overconfident. Of three and more folders, "
+      "such as runs with other\nseeds, the whiskers at 50 and 95 % are 95 % intervals over the runs.\n"
       "Example:\n  rasterslam plot consistency out -o consistency.pdf --width 85mm");
 }
 

@@ -107,8 +107,9 @@ class GraphSlam {
   std::vector<core::Pose2> poses() const;
   /// How sure poses() are: one each, map frame.
   std::vector<Eigen::Matrix3d> covariances() const;
-  /// How sure they are of one another: of x (m), y (m), phi (rad) of the second pose as the first sees it,
-  /// for pairs of scans. Cost: that of covariances(), and some 0.1 ms for each pair.
+  /// How sure they are of one another: of x (m), y (m), phi (rad) of the second pose in the first one's
+  /// frame, for pairs of scans, counted as poses() are. What two scans that hang on one keyframe err by is
+  /// taken as independent. Cost: that of covariances(), and two chains of the elimination tree for each pair.
   std::vector<Eigen::Matrix3d> relativeCovariances(const std::vector<std::pair<int, int>>& scans) const;
 
   /// Without beams where all that it saw was seen anew since.

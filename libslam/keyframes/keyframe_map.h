@@ -107,7 +107,8 @@ class KeyframeMap {
   /// links.
   void tie(int keyframe, const std::vector<int>& partners, const core::Pose2& T_map_robot,
            const Eigen::Matrix3d& information, double share);
-  /// Of these, in their order, `most` at most that look at half of what a scan looks at.
+  /// Of these, in their order, `most` at most that look at half of what a scan looks at: see
+  /// sharedView(). Others say nothing of it.
   std::vector<int> viewersOf(const lidar::Scan& scan, const core::Pose2& T_map_robot,
                              const std::vector<int>& among, int most) const;
   /// How often those keyframes that lie nearby see what a scan looks at: see sharedView().

@@ -20,7 +20,8 @@ struct StampedCovariance {
 void writeCovariances(const std::vector<StampedCovariance>& covariances, const std::string& path);
 std::vector<StampedCovariance> readCovariances(const std::string& path);
 
-/// NEES of every pose (stats::normalizedErrorSquared) with 3 degrees of freedom: the error of (x, y, phi) in
+inline constexpr int kPoseDegreesOfFreedom = 3;
+/// NEES of every pose (stats::normalizedErrorSquared) with kPoseDegreesOfFreedom: the error of (x, y, phi) in
 /// the map frame, which is the true pose at the estimate's first stamp; nothing else is aligned. So the
 /// covariances must speak of the error since the start. T_world_map: where the map frame lies instead, where
 /// a map was known from before. covariances[i] belongs to estimate[i]. A covariance that is not positive
@@ -28,7 +29,6 @@ std::vector<StampedCovariance> readCovariances(const std::string& path);
 /// a microradian), else left out (the start is given). Left out too: poses without a truth at their stamp.
 /// Empty when the truth does not know the first stamp.
 /// REQUIRES as many covariances as poses (ContractError).
-inline constexpr int kPoseDegreesOfFreedom = 3;
 std::vector<double> poseNees(const core::Trajectory& truth, const core::Trajectory& estimate,
                              const std::vector<StampedCovariance>& covariances,
                              const std::optional<core::Pose2>& T_world_map = std::nullopt);

@@ -9,18 +9,19 @@
 
 namespace slam::results {
 
-/// How sure a method is of one of its final poses as another one sees it: of x (m), y (m), phi (rad).
+/// How sure a method is of one of its final poses as another one sees it: of x (m), y (m), phi (rad) of the
+/// second in the first one's frame.
 struct RelativeCovariance {
   enum class Kind { kMetre, kTenMetres, kLoop };
   Kind kind;
-  double first_s, second_s;  ///< stamps
+  double first_s, second_s;  ///< stamps of the poses
   Eigen::Matrix3d covariance;
 };
 
+inline constexpr std::size_t kMostPairs = 500;
 /// Pairs of a path's poses, by index, of which a method is asked: one and ten metres of path apart, from
 /// every pose that begins another metre (or ten); and the two ends of every loop that the journal says was
 /// accepted. Where there are more than kMostPairs of a kind, as many, evenly spread.
-inline constexpr std::size_t kMostPairs = 500;
 std::vector<std::pair<int, int>> pairsApart(const core::Trajectory& path, double apart_m);
 std::vector<std::pair<int, int>> loopEnds(const std::vector<core::JournalEntry>& journal, std::size_t poses);
 

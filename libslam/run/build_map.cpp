@@ -238,16 +238,21 @@ class Finisher {
   void askRelativeCovariances() {
     using Kind = results::RelativeCovariance::Kind;
     const auto& path = ending_.path;
-    const auto add = [&](Kind kind, const std::vector<std::pair<int, int>>& pairs) {
-      const auto told = mapping::relativeCovariances(method_, pairs);
-      for (size_t i = 0; i < told.size(); ++i)
-        ending_.relative.push_back({kind, path[static_cast<size_t>(pairs[i].first)].time_s,
-                                    path[static_cast<size_t>(pairs[i].second)].time_s, told[i]});
+    std::vector<std::pair<int, int>> pairs;
+    std::vector<Kind> kinds;
+    const auto add = [&](Kind kind, const std::vector<std::pair<int, int>>& some) {
+      pairs.insert(pairs.end(), some.begin(), some.end());
+      kinds.resize(pairs.size(), kind);
     };
     add(Kind::kMetre, results::pairsApart(path, 1));
     add(Kind::kTenMetres, results::pairsApart(path, 10));
     add(Kind::kLoop, results::loopEnds(mapping::journalOf(method_), path.size()));
+    const auto told = mapping::relativeCovariances(method_, pairs);
+    for (size_t i = 0; i < told.size(); ++i)
+      ending_.relative.push_back({kinds[i], path[static_cast<size_t>(pairs[i].first)].time_s,
+                                  path[static_cast<size_t>(pairs[i].second)].time_s, told[i]});
   }
+
   void ask(const std::function<void()>& work) {
     stoppable(run_, taken_, keep_partial_, [&] { results::insideMethod(work); });
   }

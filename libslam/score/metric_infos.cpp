@@ -93,7 +93,7 @@ constexpr MetricRow kMetrics[] = {
     {"singular_share_final", "singular final", "share of those whose covariance is singular", 3,
      [](const E& e) { return e.singular_share_final; }},
     {"anees_1m", "ANEES 1 m",
-     "the same of final poses as the one a metre of path before sees them, without any alignment", 2,
+     "ANEES of final poses as the one a metre of path before sees them, without any alignment", 2,
      [](const E& e) { return e.relative_1m.anees; }, kNeither},
     {"within_95_share_1m", "in 95 % 1 m", "share of those within their ellipsoid of 95 %", 3,
      [](const E& e) { return e.relative_1m.within_95_share; }, kNeither},

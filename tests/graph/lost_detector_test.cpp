@@ -83,6 +83,21 @@ TEST(LostDetector, NoticesAPlaceThatContradictsLittleAfterABreak) {
   }
 }
 
+TEST(LostDetector, ListensLessToLittleContradictionWhereThatWasWell) {
+  // A sparse log: one look in ten contradicts by a third where the robot is.
+  auto odd = settled(5, 0.5), clean = settled(5, 0.5);
+  for (auto* detector : {&odd, &clean})
+    for (int i = 0; i < 50; ++i) detector->learnWrong(0.65 + (i % 2 == 0 ? 0.17 : -0.17));
+  for (int i = 0; i < 300; ++i) {
+    odd.look(seen(100 + 0.4 * i, 0.2, i % 10 == 0 ? 0.35 : 0.03, 0.02));
+    clean.look(seen(100 + 0.4 * i, 0.2, 0.03, 0.02));
+  }
+  const double odd_s = secondsToNotice(odd, 220, 0.2, 0.5, 0.3, 0.9),
+               clean_s = secondsToNotice(clean, 220, 0.2, 0.5, 0.3, 0.9);
+  EXPECT_LE(clean_s, 5);
+  EXPECT_GT(odd_s, 2 * clean_s);
+}
+
 TEST(LostDetector, TakesAMapThatIsOutOfDateForNoLoss) {
   // Furniture was moved: the map contradicts as much, but nothing broke on the way there.
   auto detector = settled(5, 0.5);
