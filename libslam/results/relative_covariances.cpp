@@ -75,6 +75,9 @@ void writeRelativeCovariances(const std::vector<RelativeCovariance>& covariances
 
 std::vector<RelativeCovariance> readRelativeCovariances(const std::string& path) {
   const std::string text = files::readTextFile(path);
+  // A number that was cut short is still one.
+  if (!text.empty() && text.back() != '\n')
+    throw core::InputError(path + ": ends amid a line, expected a whole file");
   files::CsvReader reader(text, path);
   std::vector<RelativeCovariance> covariances;
   for (std::vector<std::string> fields; reader.next(fields);) {

@@ -26,7 +26,7 @@ std::vector<std::pair<int, int>> pairsApart(const core::Trajectory& path, double
 std::vector<std::pair<int, int>> loopEnds(const std::vector<core::JournalEntry>& journal, std::size_t poses);
 
 /// A file "kind,first_s,second_s,xx,xy,xphi,yy,yphi,phiphi", kind 1m, 10m or loop. Errors: IoError;
-/// InputError with file and line for what is no such row.
+/// InputError with file and line for what is no such row, and for a file that ends amid a line.
 void writeRelativeCovariances(const std::vector<RelativeCovariance>& covariances, const std::string& path);
 std::vector<RelativeCovariance> readRelativeCovariances(const std::string& path);
 

@@ -70,6 +70,9 @@ TEST(RelativeCovariances, ReadWhatTheyWrite) {
   std::ofstream(folder / "b.csv") << "kind,first_s,second_s,xx,xy,xphi,yy,yphi,phiphi\n2m,0,1,1,0,0,1,0,1\n";
   EXPECT_THAT(errorOf([&] { readRelativeCovariances(folder / "b.csv"); }),
               HasSubstr("b.csv:2: found '2m,0,1,1,0,0,1,0,1', expected 1m, 10m or loop and 8 numbers"));
+  std::ofstream(folder / "c.csv") << "1m,0,1,1,0,0,1,0,6.728546";
+  EXPECT_THAT(errorOf([&] { readRelativeCovariances(folder / "c.csv"); }),
+              HasSubstr("c.csv: ends amid a line"));
   std::ofstream(folder / "n.csv") << "1m,0,1,1,0,0,one,0,1\n";
   EXPECT_THAT(errorOf([&] { readRelativeCovariances(folder / "n.csv"); }), HasSubstr("n.csv:1: found 'one'"));
 }
