@@ -1,5 +1,8 @@
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <limits>
 #include <new>
 
 #include "apps/commands.h"
@@ -58,9 +61,17 @@ int runRasterslam(int argc, char** argv) {
   return slam::apps::runProgram(app, context);
 }
 
+/// Memory that was freed is kept for what comes next: a map's size that is given back and asked for anew
+/// costs more, page by page, than the scans that wait for it.
+void keepFreedMemory() {
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  keepFreedMemory();
   try {
     return runRasterslam(argc, argv);
   } catch (const std::bad_alloc&) {  // before there is a command that could say so

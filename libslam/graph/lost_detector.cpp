@@ -41,7 +41,7 @@ double LostDetector::ratio(double share, const Learnt& well) const {
 }
 
 /// The same with each as variable as it is: Student's t of 3 degrees of freedom, for the tails are long.
-double LostDetector::ratioAfterBreak(double share, const Learnt& well) const {
+double LostDetector::ratioOfTails(double share, const Learnt& well) const {
   if (!std::isfinite(share) || !(wrong_.mean - well.mean > kLeastGap)) return 0;
   const auto logDensity = [share](const Learnt& learnt) {
     const double variance = std::max(learnt.variance, kLeastVariance), off = share - learnt.mean;
@@ -100,13 +100,12 @@ void LostDetector::look(const Look& now) {
       now.may_be_lost && std::isfinite(now.broken)
           ? -std::min(kUnbroken, std::max(kUnbroken * unbroken, kPerDismissed * dismissed_))
           : -kUnbroken;
-  if (begins_now >= evidence_) began_by_break_ = begins_now > -0.5 * kUnbroken;
   // Two breaks are a glitch rather than two kidnappings.
-  const double broken = ratioAfterBreak(now.broken, unbroken_);
+  const double broken = ratioOfTails(now.broken, unbroken_);
   const bool has_ended = isInDoubt() && broken >= kMostPerLook;
   double says = ratio(now.contradicted, well_);
-  const double own = ratioAfterBreak(now.contradicted, well_);
-  if (began_by_break_) says = std::max(says, own / (1 + odd_));
+  const double own = ratioOfTails(now.contradicted, well_);
+  says = std::max(says, own / (1 + odd_));
   // What is mostly explained speaks against it, whatever the rest says.
   if (!now.may_be_lost) says = std::min(says, -0.5 * kMostPerLook);
   const bool is_high = says > 0;

@@ -15,11 +15,10 @@ namespace slam::graph {
 ///
 /// How large both shares are where all is well, and how much they vary, is learnt from the scans themselves
 /// while they are well; how large they are where the robot is not, from scans put into wrong places on
-/// purpose. Where a wrong place contradicts no more than the right one, nothing is ever said. After a break
-/// both shares are taken as Student's t, each with its own variance; that counts less where it would have
-/// spoken for another place while all was well. Without one the other explanation is a
-/// map that is out of date, and that contradicts by any share: both are taken as normal then, with the larger
-/// of the two variances.
+/// purpose. Where a wrong place contradicts no more than the right one, nothing is ever said. Two
+/// readings of a share, of which the one that says more counts: both normal, with the larger of the two
+/// variances, as a map that is out of date contradicts by any share; and both as Student's t, each with its
+/// own variance, which counts less where it would have spoken for another place while all was well.
 ///
 /// Looks that speak for another place come in streaks where the world is not flat, or people walk about: one
 /// that follows another says no more than how seldom that was so while all was well.
@@ -74,7 +73,7 @@ class LostDetector {
     double looks = 0, high = 0;
   };
   double ratio(double share, const Learnt& well) const;
-  double ratioAfterBreak(double share, const Learnt& well) const;
+  double ratioOfTails(double share, const Learnt& well) const;
   void countStreak(bool is_high, double news);
   void learnStreaks();
   double mostInStreak() const;
@@ -83,7 +82,7 @@ class LostDetector {
   Learnt well_{0.03, 0.003, 20}, unbroken_{0.03, 0.003, 20}, wrong_{0.7, 0.05, 4};
   double evidence_ = -kUnbroken, dismissed_ = 0, last_time_s_ = 0;
   double odd_ = 0;  ///< looks that would have spoken for another place while all was well
-  bool has_time_ = false, was_high_ = false, began_by_break_ = false;
+  bool has_time_ = false, was_high_ = false;
   double look_news_ = 0, high_news_ = 0;  ///< of the look that is being made
   Streaks streaks_, undecided_;
 };

@@ -72,7 +72,7 @@ Rows loopRows() {
       {"loop_innovation", &O::loop_innovation, 60.0, 0.0, 1e9,
        "a loop is wrong that lies farther, squared, from where the path between has it, in that path's "
        "standard deviations"},
-      {"loop_work", &O::loop_work, 30.0, 1e-3, 1e9,
+      {"loop_work", &O::loop_work, 20.0, 1e-3, 1e9,
        "what a scan waits for at most while all poses are found anew: million multiplications, 5 a "
        "millisecond"},
       {"refine_rounds", &O::refine_rounds, 0, 0, 100,

@@ -25,6 +25,7 @@ Eigen::Matrix3d propagated(const Edge& edge, const std::vector<core::Pose2>& pos
 
 std::vector<char> edgesOn(const PoseGraph& graph) {
   std::vector<char> on;
+  on.reserve(graph.edges().size());
   for (const Edge& edge : graph.edges()) on.push_back(edge.on);
   return on;
 }
@@ -35,6 +36,8 @@ GraphSystem::GraphSystem(const PoseGraph& graph, const std::vector<char>& is_use
   for (int node = 0; node < graph.nodeCount(); ++node)
     variable_.push_back(graph.isFixed(node) ? -1 : variables++);
   std::vector<std::pair<int, int>> blocks;
+  blocks.reserve(graph.edges().size());
+  terms_.reserve(graph.edges().size());
   for (size_t i = 0; i < graph.edges().size(); ++i) {
     if (!is_used[i]) continue;
     const Edge& edge = graph.edges()[i];

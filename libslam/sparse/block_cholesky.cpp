@@ -1,9 +1,9 @@
 #include "libslam/sparse/block_cholesky.h"
+#include "libslam/sparse/blocks.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 
 namespace slam::sparse {
@@ -11,8 +11,11 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Column3 = Eigen::Matrix<double, 3, 1>;
-using Column6 = Eigen::Matrix<double, 6, 1>;
+
+/// Memory that is touched for the first time takes the system as long as so many multiplications per scalar:
+/// a page takes it some microseconds.
+constexpr double kWorkPerNewScalar = 30;
+constexpr size_t kScalarsAtOnce = 4096;
 
 /// A pivot below this share of the diagonal entry that it came from is rounding.
 constexpr double kSmallestPivot = 1e-14;
@@ -34,77 +37,13 @@ bool invertPivot(const Matrix3d& a, const Vector3d& original, Matrix3d& inverse)
   return true;
 }
 
-using BlockRef = Eigen::Map<Matrix3d, Eigen::Unaligned, Eigen::OuterStride<>>;
-using ConstBlockRef = Eigen::Map<const Matrix3d, Eigen::Unaligned, Eigen::OuterStride<>>;
-
-BlockRef blockAt(double* p, long height) {
-  return BlockRef(p, Eigen::OuterStride<>(height));
-}
-ConstBlockRef blockAt(const double* p, long height) {
-  return ConstBlockRef(p, Eigen::OuterStride<>(height));
-}
-
-/// A factor of a product: its scalar (r, k) stands at p[r * down + k * right].
-struct Factor {
-  const double* p;
-  long down, right;
-};
-
-/// The products of `Rows` rows of A (which stand one after the other, its columns `height` apart) with the
-/// three rows of B. Summed in the order of k: one sum per scalar, whatever its vectors are.
-template <class Rows>
-void multiply(const double* a, long height, const Factor& b, long terms, Rows sums[3]) {
-  Rows s0 = Rows::Zero(), s1 = Rows::Zero(), s2 = Rows::Zero();
-  const double* row = b.p;
-  for (long k = 0; k < terms; ++k, a += height, row += b.right) {
-    const Eigen::Map<const Rows> column(a);
-    s0 += column * row[0];
-    s1 += column * row[b.down];
-    s2 += column * row[2 * b.down];
-  }
-  sums[0] = s0, sums[1] = s1, sums[2] = s2;
-}
-
-template <class Rows>
-void takeOff(double* target, long height, long from, const Rows sums[3]) {
-  for (long c = 0; c < 3; ++c)
-    for (long r = 0; r < 3; ++r) target[r + c * height] -= sums[c][from + r];
-}
-
-/// Takes A B^T off three columns of a target. `place(i)`: where the i-th block row of A goes.
-template <class Place>
-void takeOffProduct(const double* a, long height, long rows, const Factor& b, long terms, double* target,
-                    long target_height, const Place& place) {
-  Column6 two[3];
-  Column3 one[3];
-  long i = 0;
-  for (; i + 1 < rows; i += 2) {
-    multiply(a + 3 * i, height, b, terms, two);
-    takeOff(target + 3 * place(i), target_height, 0, two);
-    takeOff(target + 3 * place(i + 1), target_height, 3, two);
-  }
-  if (i < rows) {
-    multiply(a + 3 * i, height, b, terms, one);
-    takeOff(target + 3 * place(i), target_height, 0, one);
-  }
-}
-
-/// Three columns of scalars times the transpose of a lower triangular block, or times the block itself.
+/// Three columns of scalars times the transpose of a lower triangular block.
 void timesTransposed(double* column, long height, long rows, const Matrix3d& lower) {
   double *c0 = column, *c1 = column + height, *c2 = column + 2 * height;
   for (long r = 0; r < rows; ++r) {
     c2[r] = c0[r] * lower(2, 0) + c1[r] * lower(2, 1) + c2[r] * lower(2, 2);
     c1[r] = c0[r] * lower(1, 0) + c1[r] * lower(1, 1);
     c0[r] *= lower(0, 0);
-  }
-}
-void timesLower(const double* column, long height, long rows, const Matrix3d& lower, double* out,
-                long out_height) {
-  const double *c0 = column, *c1 = column + height, *c2 = column + 2 * height;
-  for (long r = 0; r < rows; ++r) {
-    out[r] = c0[r] * lower(0, 0) + c1[r] * lower(1, 0) + c2[r] * lower(2, 0);
-    out[r + out_height] = c1[r] * lower(1, 1) + c2[r] * lower(2, 1);
-    out[r + 2 * out_height] = c2[r] * lower(2, 2);
   }
 }
 
@@ -163,13 +102,14 @@ void BlockCholesky::analyse(int size, const std::vector<std::pair<int, int>>& bl
   const auto pairs = listValues(size, blocks);
   elimination_ = Elimination(size, pairs);
   panels_.clear();
-  size_t end = 0;
+  scalars_ = 0;
   for (const auto& supernode : elimination_.supernodes()) {
     const long height = 3L * (supernode.width + supernode.below());
-    panels_.push_back({end, height});
-    end += at(height * 3 * supernode.width);
+    panels_.push_back({scalars_, height});
+    scalars_ += at(height * 3 * supernode.width);
   }
-  factor_.resize(end);
+  factor_.clear();
+  factor_.reserve(scalars_);
   diagonal_.resize(at(size));
   inverse_pivot_.resize(at(size));
   placeValues(pairs, blocks);
@@ -181,13 +121,23 @@ void BlockCholesky::setZero() {
   std::fill(values_.begin(), values_.end(), Matrix3d::Zero());
 }
 
+/// Room for the factor, zero, while there is work; true when all is there. Memory that is new is touched
+/// here, not where it is reserved.
+bool BlockCholesky::makeRoom(double& work) {
+  while (factor_.size() < scalars_ && work > 0) {
+    const size_t more = std::min(kScalarsAtOnce, scalars_ - factor_.size());
+    factor_.resize(factor_.size() + more, 0);
+    work -= kWorkPerNewScalar * static_cast<double>(more);
+  }
+  return factor_.size() == scalars_;
+}
+
 /// The matrix where its factor will stand.
-void BlockCholesky::setPanels(double damping) {
-  std::fill(factor_.begin(), factor_.end(), 0);
+void BlockCholesky::setPanels() {
   for (int k = 0; k < size(); ++k) {
     auto block = blockAt(&factor_[placeOf(k, k)], panels_[at(elimination_.supernodeOf(k))].height);
     block = diagonal_[at(k)];
-    block.diagonal() *= 1 + damping;
+    block.diagonal() *= 1 + damping_;
   }
   for (size_t v = 0; v < values_.size(); ++v)
     blockAt(&factor_[value_places_[v]], value_heights_[v]) = values_[v];
@@ -236,12 +186,17 @@ double BlockCholesky::workOf(int s) const {
 
 void BlockCholesky::beginFactorization(double damping) {
   damping_ = damping;
-  next_ = 0;
-  setPanels(damping);
+  next_ = kNothingSet;
+  std::fill(factor_.begin(), factor_.end(), 0);
 }
 
 BlockCholesky::Progress BlockCholesky::advance(double& work) {
   const int count = static_cast<int>(panels_.size());
+  if (next_ == kNothingSet) {
+    if (!makeRoom(work)) return Progress::kGoing;
+    setPanels();
+    next_ = 0;
+  }
   while (next_ < count) {
     if (!factorizePanel(next_)) return Progress::kFailed;
     update(next_);
@@ -289,111 +244,6 @@ void BlockCholesky::solve(std::vector<Vector3d>& b) const {
       y[at(k)].noalias() = inverse_pivot_[at(k)].transpose() * sum;
     }
   for (int k = 0; k < size(); ++k) b[at(elimination_.rowAt(k))] = y[at(k)];
-}
-
-BlockCholesky::HalfColumn BlockCholesky::halfColumn(int row) const {
-  const int first = elimination_.position(row);
-  std::map<int, Matrix3d> sums;  // of the columns to come
-  sums[first].setIdentity();
-  HalfColumn out;
-  while (!sums.empty()) {
-    const int k = sums.begin()->first;
-    const Matrix3d block = inverse_pivot_[at(k)] * sums.begin()->second;
-    sums.erase(sums.begin());
-    out.rows.push_back(k);
-    out.blocks.push_back(block);
-    const int s = elimination_.supernodeOf(k);
-    const auto& supernode = elimination_.supernode(s);
-    const long height = panels_[at(s)].height;
-    const double* column = &factor_[panels_[at(s)].begin] + height * 3 * (k - supernode.first);
-    const auto take = [&](int r, int place) {
-      const auto [known, is_new] = sums.try_emplace(r, Matrix3d::Zero());
-      known->second.noalias() -= blockAt(column + 3L * place, height) * block;
-    };
-    for (int r = k + 1; r < supernode.first + supernode.width; ++r) take(r, r - supernode.first);
-    for (int r = 0; r < supernode.below(); ++r)
-      take(elimination_.rows()[at(supernode.rows_begin + r)], supernode.width + r);
-  }
-  return out;
-}
-
-Matrix3d BlockCholesky::inverseBlock(const HalfColumn& a, const HalfColumn& b) {
-  Matrix3d sum = Matrix3d::Zero();
-  for (size_t i = 0, j = 0; i < a.rows.size() && j < b.rows.size();) {
-    if (a.rows[i] == b.rows[j])
-      sum.noalias() += a.blocks[i++].transpose() * b.blocks[j++];
-    else if (a.rows[i] < b.rows[j])
-      ++i;
-    else
-      ++j;
-  }
-  return sum;
-}
-
-/// What of the inverse is known of the rows below supernode s, into the square of its whole height.
-void BlockCholesky::gatherBelow(int s, const std::vector<double>& inverse, double* square) const {
-  const auto& supernode = elimination_.supernode(s);
-  const long height = panels_[at(s)].height, width = supernode.width;
-  for (int u = supernode.updates_begin; u < supernode.updates_end; ++u) {
-    const auto& update = elimination_.updates()[at(u)];
-    const Panel& target = panels_[at(update.target)];
-    for (int j = update.from; j < update.to; ++j) {
-      const int* places = &elimination_.places()[at(update.places_begin + j - update.from)];
-      const double* column = &inverse[target.begin + at(target.height * 3L * places[0])];
-      for (int i = j; i < supernode.below(); ++i) {
-        const auto block = blockAt(column + 3L * places[i - j], target.height);
-        blockAt(square + 3 * (width + i) + height * 3 * (width + j), height) = block;
-        blockAt(square + 3 * (width + j) + height * 3 * (width + i), height) = block.transpose();
-      }
-    }
-  }
-}
-
-/// Fills what is missing of the square: its first columns, the last of them first. `column`: room for three.
-void BlockCholesky::invertPanel(int s, double* square, double* column) const {
-  const auto& supernode = elimination_.supernode(s);
-  const long height = panels_[at(s)].height;
-  const double* const panel = &factor_[panels_[at(s)].begin];
-  for (long b = supernode.width - 1; b >= 0; --b) {
-    const Matrix3d& pivot = inverse_pivot_[at(supernode.first + b)];
-    const long first = 3 * (b + 1), rows = height - first;
-    timesLower(panel + first + height * 3 * b, height, rows, pivot, column, rows);
-    double* const out = square + height * 3 * b;
-    std::fill_n(out, 3 * height, 0);
-    takeOffProduct(square + first + height * first, height, rows / 3, {column, rows, 1}, rows, out + first,
-                   height, [](long i) { return i; });
-    Matrix3d corner = pivot.transpose() * pivot;
-    for (long r = 0; r < rows; r += 3) {
-      const auto block = blockAt(out + first + r, height);
-      corner.noalias() -= block.transpose() * blockAt(static_cast<const double*>(column) + r, rows);
-      blockAt(square + 3 * b + height * (first + r), height) = block.transpose();
-    }
-    blockAt(out + 3 * b, height) = corner;
-  }
-}
-
-BlockCholesky::SparseInverse BlockCholesky::sparseInverse() const {
-  std::vector<double> inverse(factor_.size());  // in the factor's places
-  long highest = 0;
-  for (const Panel& panel : panels_) highest = std::max(highest, panel.height);
-  std::vector<double> square(at(highest * highest)), column(at(3 * highest));
-  for (int s = static_cast<int>(panels_.size()) - 1; s >= 0; --s) {
-    gatherBelow(s, inverse, square.data());
-    invertPanel(s, square.data(), column.data());
-    const long count = panels_[at(s)].height * 3 * elimination_.supernode(s).width;
-    std::copy_n(square.begin(), count, inverse.begin() + static_cast<long>(panels_[at(s)].begin));
-  }
-  SparseInverse out;
-  out.diagonal.resize(diagonal_.size());
-  for (int k = 0; k < size(); ++k)
-    out.diagonal[at(elimination_.rowAt(k))] =
-        blockAt(&inverse[placeOf(k, k)], panels_[at(elimination_.supernodeOf(k))].height);
-  out.blocks.reserve(slots_.size());
-  for (const Slot slot : slots_) {
-    out.blocks.emplace_back(blockAt(&inverse[value_places_[at(slot.index)]], value_heights_[at(slot.index)]));
-    if (slot.transposed) out.blocks.back().transposeInPlace();
-  }
-  return out;
 }
 
 }  // namespace slam::sparse

@@ -81,7 +81,8 @@ class BlockCholesky {
   void placeValues(const std::vector<std::pair<int, int>>& pairs,
                    const std::vector<std::pair<int, int>>& blocks);
   size_t placeOf(int row, int column) const;
-  void setPanels(double damping);
+  bool makeRoom(double& work);
+  void setPanels();
   bool factorizePanel(int s);
   double workOf(int s) const;
   void update(int s);
@@ -95,9 +96,11 @@ class BlockCholesky {
   std::vector<size_t> value_places_;                ///< of values_, in factor_
   std::vector<long> value_heights_;
   std::vector<Panel> panels_;
+  size_t scalars_ = 0;  ///< of the factor
   std::vector<double> factor_;
+  static constexpr int kNothingSet = -1;
   double damping_ = 0;  ///< of the factorisation that goes on, and its next supernode
-  int next_ = 0;
+  int next_ = kNothingSet;
   std::vector<Eigen::Matrix3d> inverse_pivot_;  ///< of the factor's diagonal blocks, by columns
 };
 
