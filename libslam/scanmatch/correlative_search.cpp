@@ -44,24 +44,30 @@ void LikelihoodPyramid::build(const std::vector<core::Point2>& points, double ce
         cell = std::max(cell, static_cast<std::uint8_t>(value + 0.5));
       }
   }
-  // Level k + 1 from level k: the greatest of the four windows that make up the larger one.
-  for (int k = 1; k < levels; ++k) {
-    const auto& below = levels_[static_cast<size_t>(k) - 1];
-    auto& level = levels_[static_cast<size_t>(k)];
-    const int half = 1 << (k - 1);
-    rows_.resize(below.size());
+  buildLevels();
+}
+
+/// Level k + 1 from level k: the greatest of the four windows that make up the larger one.
+void LikelihoodPyramid::buildLevels() {
+  // Bytes may be anything, members too: these are not read anew for every cell.
+  const size_t width = static_cast<size_t>(side_x_), height = static_cast<size_t>(side_y_);
+  const auto greater = [](const std::uint8_t* a, const std::uint8_t* b, size_t count, std::uint8_t* out) {
+    for (size_t i = 0; i < count; ++i) out[i] = std::max(a[i], b[i]);
+  };
+  rows_.resize(width * height);
+  for (size_t k = 1; k < levels_.size(); ++k) {
+    const auto& below = levels_[k - 1];
+    auto& level = levels_[k];
+    const size_t half = size_t{1} << (k - 1), overlap = width > half ? width - half : 0;
     level.resize(below.size());
-    for (int r = 0; r < side_y_; ++r) {
-      const auto* in = &below[static_cast<size_t>(r) * side];
-      auto* out = &rows_[static_cast<size_t>(r) * side];
-      for (int c = 0; c + half < side_x_; ++c) out[c] = std::max(in[c], in[c + half]);
-      for (int c = std::max(side_x_ - half, 0); c < side_x_; ++c) out[c] = in[c];
+    for (size_t r = 0; r < height; ++r) {
+      const auto* in = &below[r * width];
+      greater(in, in + half, overlap, &rows_[r * width]);
+      std::copy(in + overlap, in + width, &rows_[r * width + overlap]);
     }
-    for (int r = 0; r < side_y_; ++r) {
-      const auto* in = &rows_[static_cast<size_t>(r) * side];
-      const auto* other = r + half < side_y_ ? &rows_[static_cast<size_t>(r + half) * side] : in;
-      auto* out = &level[static_cast<size_t>(r) * side];
-      for (int c = 0; c < side_x_; ++c) out[c] = std::max(in[c], other[c]);
+    for (size_t r = 0; r < height; ++r) {
+      const auto* in = &rows_[r * width];
+      greater(in, r + half < height ? in + half * width : in, width, &level[r * width]);
     }
   }
 }
@@ -163,12 +169,12 @@ class WindowSearch {
     constexpr size_t kBlock = 16;
     if (isExcluded(node)) return false;
     const auto& cells = turned_[static_cast<size_t>(node.turn)];
+    const LikelihoodPyramid::Level level = map_.level(node.level);
     int sum = 0, left = full_;
     for (size_t i = 0; i < cells.size();) {
       const size_t end = std::min(i + kBlock, cells.size());
       left -= 255 * static_cast<int>(end - i);
-      for (; i < end; ++i)
-        sum += map_.value(node.level, cells[i].column + node.column, cells[i].row + node.row);
+      for (; i < end; ++i) sum += level(cells[i].column + node.column, cells[i].row + node.row);
       if (sum + left <= best_sum_) return false;
     }
     node.sum = sum;

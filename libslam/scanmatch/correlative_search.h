@@ -25,16 +25,34 @@ class LikelihoodPyramid {
   double cellSize() const { return cell_m_; }
   core::Point2 origin() const { return origin_; }
   int levels() const { return static_cast<int>(levels_.size()); }
-  /// Greatest value, 0..255, of the cells [column, column + 2^level) x [row, row + 2^level); indices may lie
-  /// outside.
-  int value(int level, int column, int row) const {
-    const int c = column + pad_, r = row + pad_;
-    if (c < 0 || r < 0 || c >= side_x_ || r >= side_y_) return 0;
-    return levels_[static_cast<size_t>(level)]
-                  [static_cast<size_t>(r) * static_cast<size_t>(side_x_) + static_cast<size_t>(c)];
+  /// One level, for many questions. REQUIRES that the pyramid stays as it is.
+  class Level {
+   public:
+    /// Greatest value, 0..255, of the cells [column, column + 2^level) x [row, row + 2^level); indices may
+    /// lie outside.
+    int operator()(int column, int row) const {
+      const auto c = static_cast<unsigned>(column + pad_), r = static_cast<unsigned>(row + pad_);
+      return c < side_x_ && r < side_y_ ? cells_[static_cast<size_t>(r) * side_x_ + c] : 0;
+    }
+
+   private:
+    friend class LikelihoodPyramid;
+    const std::uint8_t* cells_ = nullptr;
+    int pad_ = 0;
+    unsigned side_x_ = 0, side_y_ = 0;
+  };
+  Level level(int level) const {
+    Level out;
+    out.cells_ = levels_[static_cast<size_t>(level)].data();
+    out.pad_ = pad_, out.side_x_ = static_cast<unsigned>(side_x_),
+    out.side_y_ = static_cast<unsigned>(side_y_);
+    return out;
   }
+  int value(int level, int column, int row) const { return this->level(level)(column, row); }
 
  private:
+  void buildLevels();
+
   double cell_m_ = 0;
   core::Point2 origin_;  ///< corner of the cell (0, 0)
   int pad_ = 0, side_x_ = 0, side_y_ = 0;
