@@ -1,5 +1,6 @@
 #include "libslam/paths/close_walls.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <vector>
@@ -36,23 +37,34 @@ double toWall(const FreeSpace& space, int column, int row, const Axis& axis, int
   return std::numeric_limits<double>::infinity();
 }
 
+/// The unknown cells that touch one of `cells`, corners too, each once.
+std::vector<std::size_t> unknownBeside(const FreeSpace& space, const std::vector<std::size_t>& cells) {
+  const auto width = static_cast<std::size_t>(space.columns);
+  std::vector<std::size_t> unknown;
+  for (const std::size_t cell : cells)
+    for (const std::size_t row : {cell - width, cell, cell + width})
+      for (const std::size_t beside : {row - 1, row, row + 1})
+        if (space.state[beside] == kUnknownCell) unknown.push_back(beside);
+  std::sort(unknown.begin(), unknown.end());
+  unknown.erase(std::unique(unknown.begin(), unknown.end()), unknown.end());
+  return unknown;
+}
+
 }  // namespace
 
 void closeWalls(FreeSpace& space, double gap_m) {
   const double most = gap_m / space.resolution_m + 1e-9;
   const auto width = static_cast<std::size_t>(space.columns);
-  std::vector<std::size_t> closed;
-  const auto look = [&](int column, int row) {
-    if (space.state[space.index(column, row)] != kUnknownCell) return;
-    for (const Axis& axis : kAxes)
-      if (toWall(space, column, row, axis, 1, most) + toWall(space, column, row, axis, -1, most) <= most)
-        return closed.push_back(space.index(column, row));
+  const auto isBetweenWalls = [&](std::size_t cell) {
+    const int column = static_cast<int>(cell % width), row = static_cast<int>(cell / width);
+    return std::any_of(kAxes.begin(), kAxes.end(), [&](const Axis& axis) {
+      const double ahead = toWall(space, column, row, axis, 1, most);
+      return ahead <= most && ahead + toWall(space, column, row, axis, -1, most) <= most;
+    });
   };
-  for (const auto& frontier : findFrontiers(space, 1))
-    for (const std::size_t cell : frontier.cells)
-      for (int dr = -1; dr <= 1; ++dr)
-        for (int dc = -1; dc <= 1; ++dc)
-          look(static_cast<int>(cell % width) + dc, static_cast<int>(cell / width) + dr);
+  std::vector<std::size_t> closed;
+  for (const std::size_t cell : unknownBeside(space, frontierCells(space)))
+    if (isBetweenWalls(cell)) closed.push_back(cell);
   // Only then, so that no cell is closed because of another one that was.
   for (const std::size_t cell : closed) space.state[cell] = kOccupiedCell;
 }

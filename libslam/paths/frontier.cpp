@@ -1,14 +1,16 @@
 #include "libslam/paths/frontier.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace slam::paths {
-namespace {
-
 std::vector<std::size_t> frontierCells(const FreeSpace& space) {
   std::vector<std::size_t> cells;
   const int width = space.columns;
-  std::vector<std::uint8_t> hit(static_cast<std::size_t>(width));
+  // Whole words, with room for the last one.
+  using Word = std::uint64_t;
+  std::vector<std::uint8_t> hit(static_cast<std::size_t>(width) + sizeof(Word), 0);
+  std::uint8_t* const hits = hit.data();
   for (int row = 1; row + 1 < space.rows; ++row) {
     const std::uint8_t* const here = space.state.data() + space.index(0, row);
     unsigned any = 0;
@@ -16,18 +18,20 @@ std::vector<std::size_t> frontierCells(const FreeSpace& space) {
     for (int i = 1; i + 1 < width; ++i) {
       const auto around =
           static_cast<std::uint8_t>(here[i - 1] | here[i + 1] | here[i - width] | here[i + width]);
-      hit[static_cast<std::size_t>(i)] =
-          static_cast<std::uint8_t>((here[i] == kFreeCell) & ((around & kUnknownCell) != 0));
-      any |= hit[static_cast<std::size_t>(i)];
+      hits[i] = static_cast<std::uint8_t>((here[i] == kFreeCell) & ((around & kUnknownCell) != 0));
+      any |= hits[i];
     }
     if (!any) continue;
-    for (int i = 1; i + 1 < width; ++i)
-      if (hit[static_cast<std::size_t>(i)]) cells.push_back(space.index(i, row));
+    for (int first = 0; first < width; first += static_cast<int>(sizeof(Word))) {
+      Word word;
+      std::memcpy(&word, hits + first, sizeof word);
+      if (word == 0) continue;
+      for (int i = first; i < first + static_cast<int>(sizeof word); ++i)
+        if (hits[i]) cells.push_back(space.index(i, row));
+    }
   }
   return cells;
 }
-
-}  // namespace
 
 bool isFrontierCell(const FreeSpace& space, std::size_t cell) {
   const auto width = static_cast<std::size_t>(space.columns);

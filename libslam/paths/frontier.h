@@ -18,6 +18,9 @@ struct Frontier {
 /// beyond.
 std::vector<Frontier> findFrontiers(const FreeSpace& space, std::size_t min_cells);
 
+/// Those of all frontiers, ascending, not told apart: for who needs no more, at a part of the time.
+std::vector<std::size_t> frontierCells(const FreeSpace& space);
+
 /// True when the cell is free and has an unknown cell to the left, right, above or below.
 bool isFrontierCell(const FreeSpace& space, std::size_t cell);
 

@@ -76,9 +76,8 @@ void MapStrategy::seeScan(const lidar::Scan& scan, const core::Pose2& T_map_robo
 /// The map with an obstacle in every frontier cell at which the lidar has measured a return.
 paths::FreeSpace MapStrategy::withoutFalseFrontiers() const {
   paths::FreeSpace looking = *space_;
-  for (const auto& frontier : paths::findFrontiers(*space_, 1))
-    for (const std::size_t cell : frontier.cells)
-      if (returns_.count(placeOf(space_->centreOf(cell))) != 0) looking.state[cell] = paths::kOccupiedCell;
+  for (const std::size_t cell : paths::frontierCells(*space_))
+    if (returns_.count(placeOf(space_->centreOf(cell))) != 0) looking.state[cell] = paths::kOccupiedCell;
   if (const double gap_m = closedGap_m(); gap_m > 0) paths::closeWalls(looking, gap_m);
   return looking;
 }
@@ -86,16 +85,15 @@ paths::FreeSpace MapStrategy::withoutFalseFrontiers() const {
 void MapStrategy::annotate(gridmap::OccupancyRaster& map) const {
   if (!space_) return;
   const paths::FreeSpace space = paths::readFreeSpace(map);
-  for (const auto& frontier : paths::findFrontiers(space, 1))
-    for (const std::size_t cell : frontier.cells) {
-      const core::Point2 p = space.centreOf(cell);
-      const auto looks = looks_.find(placeOf(p));
-      const bool is_given_up = looks != looks_.end() && looks->second >= kMostLooks;
-      if (!is_given_up && returns_.count(placeOf(p)) == 0) continue;
-      const auto column = static_cast<std::size_t>(map.columnOf(p.x)),
-                 row = static_cast<std::size_t>(map.rowOf(p.y));
-      map.occupancy[row * static_cast<std::size_t>(map.columns) + column] = 1.0F;
-    }
+  for (const std::size_t cell : paths::frontierCells(space)) {
+    const core::Point2 p = space.centreOf(cell);
+    const auto looks = looks_.find(placeOf(p));
+    const bool is_given_up = looks != looks_.end() && looks->second >= kMostLooks;
+    if (!is_given_up && returns_.count(placeOf(p)) == 0) continue;
+    const auto column = static_cast<std::size_t>(map.columnOf(p.x)),
+               row = static_cast<std::size_t>(map.rowOf(p.y));
+    map.occupancy[row * static_cast<std::size_t>(map.columns) + column] = 1.0F;
+  }
 }
 
 /// After a look: the frontier cells close by that it left standing.
