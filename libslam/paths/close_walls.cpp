@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -37,16 +38,20 @@ double toWall(const FreeSpace& space, int column, int row, const Axis& axis, int
   return std::numeric_limits<double>::infinity();
 }
 
-/// The unknown cells that touch one of `cells`, corners too, each once.
-std::vector<std::size_t> unknownBeside(const FreeSpace& space, const std::vector<std::size_t>& cells) {
+/// Of an unknown cell that is asked already: a bit besides CellState's.
+constexpr std::uint8_t kAsked = 4;
+
+/// The unknown cells that touch one of `cells`, corners too, each once; they are marked.
+std::vector<std::size_t> markUnknownBeside(FreeSpace& space, const std::vector<std::size_t>& cells) {
   const auto width = static_cast<std::size_t>(space.columns);
   std::vector<std::size_t> unknown;
   for (const std::size_t cell : cells)
     for (const std::size_t row : {cell - width, cell, cell + width})
-      for (const std::size_t beside : {row - 1, row, row + 1})
-        if (space.state[beside] == kUnknownCell) unknown.push_back(beside);
-  std::sort(unknown.begin(), unknown.end());
-  unknown.erase(std::unique(unknown.begin(), unknown.end()), unknown.end());
+      for (const std::size_t beside : {row - 1, row, row + 1}) {
+        if (space.state[beside] != kUnknownCell) continue;
+        space.state[beside] |= kAsked;
+        unknown.push_back(beside);
+      }
   return unknown;
 }
 
@@ -62,11 +67,13 @@ void closeWalls(FreeSpace& space, double gap_m) {
       return ahead <= most && ahead + toWall(space, column, row, axis, -1, most) <= most;
     });
   };
-  std::vector<std::size_t> closed;
-  for (const std::size_t cell : unknownBeside(space, frontierCells(space)))
-    if (isBetweenWalls(cell)) closed.push_back(cell);
+  const auto unknown = markUnknownBeside(space, frontierCells(space));
+  std::vector<std::uint8_t> becomes;
+  becomes.reserve(unknown.size());
+  for (const std::size_t cell : unknown)
+    becomes.push_back(isBetweenWalls(cell) ? kOccupiedCell : kUnknownCell);
   // Only then, so that no cell is closed because of another one that was.
-  for (const std::size_t cell : closed) space.state[cell] = kOccupiedCell;
+  for (std::size_t i = 0; i < unknown.size(); ++i) space.state[unknown[i]] = becomes[i];
 }
 
 }  // namespace slam::paths
