@@ -172,6 +172,18 @@ Blocks grid(int side) {
   return blocks;
 }
 
+/// So many pieces of the least size a factorisation takes.
+int factoriseInPieces(BlockCholesky& sparse, double damping) {
+  sparse.beginFactorization(damping);
+  for (int pieces = 1;; ++pieces) {
+    double work = 1;
+    const auto progress = sparse.advance(work);
+    EXPECT_NE(progress, BlockCholesky::Progress::kFailed);
+    EXPECT_LE(work, 0);
+    if (progress != BlockCholesky::Progress::kGoing) return pieces;
+  }
+}
+
 TEST(BlockCholesky, FactorisesInPiecesToTheSameBytes) {
   const int side = 13;
   Twin twin = randomMatrix(side * side, grid(side), 4);
@@ -179,18 +191,23 @@ TEST(BlockCholesky, FactorisesInPiecesToTheSameBytes) {
   ASSERT_TRUE(twin.sparse.factorize(0.1));
   twin.sparse.solve(expected);
   ASSERT_TRUE(twin.sparse.factorize()) << "other numbers in between";
-  int pieces = 1;
-  twin.sparse.beginFactorization(0.1);
-  for (;; ++pieces) {
-    double work = 1;
-    const auto progress = twin.sparse.advance(work);
-    ASSERT_NE(progress, BlockCholesky::Progress::kFailed);
-    EXPECT_LE(work, 0);
-    if (progress == BlockCholesky::Progress::kDone) break;
-  }
-  EXPECT_GT(pieces, 10);
+  EXPECT_GT(factoriseInPieces(twin.sparse, 0.1), 10);
   auto x = ramp(side * side);
   twin.sparse.solve(x);
+  EXPECT_EQ(stacked(x), stacked(expected));
+}
+
+TEST(BlockCholesky, TouchesTheFactorsMemoryInPieces) {
+  const int side = 20;
+  Twin twin = randomMatrix(side * side, grid(side), 4), whole = randomMatrix(side * side, grid(side), 4);
+  const int first = factoriseInPieces(twin.sparse, 0), second = factoriseInPieces(twin.sparse, 0);
+  // 4096 scalars at a time, of nine in a block, when it is new; none of that when it is there.
+  const int blocks = side * side + static_cast<int>(twin.sparse.factorBlocks());
+  EXPECT_GE(first - second, 9 * blocks / 4096 / 2);
+  EXPECT_GE(first - second, 4);
+  ASSERT_TRUE(whole.sparse.factorize());
+  auto x = ramp(side * side), expected = x;
+  twin.sparse.solve(x), whole.sparse.solve(expected);
   EXPECT_EQ(stacked(x), stacked(expected));
 }
 
