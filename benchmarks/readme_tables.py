@@ -67,6 +67,12 @@ FAILED_M = 1
 
 
 ORIGINAL_LIDAR = "thesis_360"
+NEWER = {"graph": "standard_graph"}  # methods that were run anew later, on the same logs
+
+
+def standard_rows(ending):
+    old = [row for row in rows("standard" + ending) if row["method"] not in NEWER]
+    return old + [row for name in NEWER.values() for row in rows(name + ending)]
 
 
 def standard_line(name, what, mine, costs, with_cost=True):
@@ -84,8 +90,8 @@ def standard_line(name, what, mine, costs, with_cost=True):
 
 
 def standard():
-    standard_runs = rows("standard.csv.xz")
-    costs = {row["run"]: row for row in rows("standard_cost.csv.xz")}
+    standard_runs = standard_rows(".csv.xz")
+    costs = {row["run"]: row for row in standard_rows("_cost.csv.xz")}
 
     def runs(method, with_original_lidar):
         return [run for run in standard_runs

@@ -69,8 +69,9 @@ double figureOf(const sweep::CellResult& result, const std::string& key) {
 }
 
 stats::Better betterOf(const std::string& metric) {
-  const bool larger = metric == "wall_f1" || metric == "free_iou";
-  return larger ? stats::Better::kLarger : stats::Better::kSmaller;
+  for (const auto& info : score::metricInfos())
+    if (info.key == metric) return info.better.value_or(stats::Better::kSmaller);
+  return stats::Better::kSmaller;  // of relations
 }
 
 double rankedValue(const sweep::SweepPlan& plan, const std::optional<sweep::CellResult>& result) {
