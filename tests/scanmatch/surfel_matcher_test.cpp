@@ -154,6 +154,30 @@ TEST(SurfelMatcher, TheEvidenceIsTheInformationByTheViewsThatSawFirst) {
   EXPECT_GT(evidence.by_view[1].information.trace(), 5 * evidence.by_view[0].information.trace());
 }
 
+/// Walls next to parallel to an axis: along them a surfel, rounded, may tell less than nothing.
+TEST(SurfelMatcher, TheEvidenceOfFlatWallsIsFinite) {
+  for (int tilt = 1; tilt <= 40; ++tilt) {
+    const double slope = 1e-6 * tilt;
+    const auto wall = [&](double from_m) {
+      std::vector<PatchPoint> points;
+      for (int i = 0; i < 100; ++i) {
+        const double x = from_m + 0.02 * i, y = 0.02 + slope * x;
+        points.push_back(
+            {static_cast<float>(x), static_cast<float>(y), 0.006F, static_cast<float>(0.006 * slope)});
+      }
+      return points;
+    };
+    SurfelMap map(0.1, 0.02, true);
+    map.clear({}, 3);
+    map.add(wall(-1), {}, 1);
+    for (int step = 0; step < 40; ++step) {
+      const auto evidence = evidenceOf(wall(-1 + 0.0007 * step), map, {}, 3);
+      EXPECT_GE(evidence.squared, 0);
+      for (const double lagged : evidence.lagged) ASSERT_TRUE(std::isfinite(lagged)) << tilt << " " << step;
+    }
+  }
+}
+
 TEST(SurfelMatcher, TheEvidenceTellsNoiseFromWhatNeighbouringPointsHaveInCommon) {
   const auto room = rectangle(-4, -3, 5, 3);
   const auto map = mapOf(room, aFewPosesAround(0));
