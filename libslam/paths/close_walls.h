@@ -7,7 +7,7 @@ namespace slam::paths {
 /// (centre to centre, in one of 16 directions, nothing free in between) become occupied. Beams that meet a
 /// wall far away or at a flat angle leave gaps in it that no room is behind. What is narrower than the
 /// shortest frontier that counts is no loss. gap_m of less than two cells closes nothing. Cost: that of
-/// findFrontiers(), and about 1 us per frontier cell.
+/// frontierCells(), and up to 16 rays of gap_m per unknown cell beside one.
 void closeWalls(FreeSpace& space, double gap_m);
 
 }  // namespace slam::paths

@@ -38,8 +38,8 @@ class BlockCholesky {
   /// definite (to rounding); then there is no factor. What was added stays.
   bool factorize(double damping = 0);
   /// The same in pieces: begin(), then advance() while it says kGoing. `work`: about how many multiplications
-  /// are left for this piece (at least one supernode is done); what was done is taken off. Between them
-  /// nothing is added.
+  /// are left for this piece (at least one supernode is done, or some of the factor's memory touched for the
+  /// first time); what was done is taken off. Between them nothing is added.
   enum class Progress { kGoing, kDone, kFailed };
   void beginFactorization(double damping);
   Progress advance(double& work);
