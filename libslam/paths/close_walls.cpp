@@ -38,7 +38,8 @@ double toWall(const FreeSpace& space, int column, int row, const Axis& axis, int
   return std::numeric_limits<double>::infinity();
 }
 
-/// Of an unknown cell that is asked already: a bit besides CellState's. Ways to walls lead through it as well.
+/// Of an unknown cell that is asked already: a bit besides CellState's. Ways to walls lead through it as
+/// well.
 constexpr std::uint8_t kAsked = 4;
 
 /// The unknown cells that touch one of `cells`, corners too, each once; they are marked.
