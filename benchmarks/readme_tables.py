@@ -67,7 +67,7 @@ FAILED_M = 1
 
 
 ORIGINAL_LIDAR = "thesis_360"
-NEWER = {"graph": "standard_graph"}  # methods that were run anew later, on the same logs
+NEWER = {"particles": "standard_particles", "graph": "standard_graph"}  # run anew later, on the same logs
 
 
 def standard_rows(ending):
