@@ -37,6 +37,8 @@ namespace {
 class MemoryMeter {
  public:
   MemoryMeter() {
+    // What was freed before would be taken without being counted.
+    malloc_trim(0);
     std::ofstream("/proc/self/clear_refs") << "5";
     before_mb_ = process::processMemoryMb("VmRSS");
     files_before_mb_ = process::processMemoryMb("RssFile");
