@@ -167,11 +167,13 @@ void SurfelMap::pushSurfel(const Sums& pooled, std::int64_t column, std::int64_t
   const double gain = information_along - information_across;
   const double cx = (static_cast<double>(column) + 0.5) * cell_m_;
   const double cy = (static_cast<double>(row) + 0.5) * cell_m_;
+  // Sums of what is not negative: a difference would lose what a wall next to parallel to an axis tells along
+  // that axis, and with it that the information is positive semidefinite.
   surfels_.push_back({static_cast<float>(cx + mx), static_cast<float>(cy + my),
-                      static_cast<float>(information_across + gain * ux * ux),
+                      static_cast<float>(information_along * ux * ux + information_across * uy * uy),
                       static_cast<float>(kHeldBack * gain * ux * uy),
-                      static_cast<float>(information_across + gain * uy * uy), static_cast<float>(pooled.nx),
-                      static_cast<float>(pooled.ny), -1});
+                      static_cast<float>(information_along * uy * uy + information_across * ux * ux),
+                      static_cast<float>(pooled.nx), static_cast<float>(pooled.ny), -1});
   first_views_.push_back(pooled.first_view);
   // The direction of a line through n points errs by this variance.
   const double turned2 = across / (pooled.n * along);

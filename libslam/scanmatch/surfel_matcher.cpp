@@ -153,11 +153,9 @@ MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap&
       const double trace = surfel->xx + surfel->yy;
       const double det =
           static_cast<double>(surfel->xx) * surfel->yy - static_cast<double>(surfel->xy) * surfel->xy;
-      // Along a wall a surfel tells next to nothing: rounded to float, it may tell less than that.
-      const double squared = b.w * std::max(b.q, 0.0);
-      evidence.squared += squared;
+      evidence.squared += b.w * b.q;
       evidence.dimensions += b.w * trace * trace / (trace * trace - 2 * det);
-      residual = std::sqrt(squared) * (b.nx * b.dx + b.ny * b.dy < 0 ? -1 : 1);
+      residual = std::sqrt(b.w * b.q) * (b.nx * b.dx + b.ny * b.dy < 0 ? -1 : 1);
     }
     for (size_t lag = 0; lag < before.size(); ++lag) evidence.lagged[lag] += residual * before[lag];
     std::rotate(before.begin(), before.end() - 1, before.end());
