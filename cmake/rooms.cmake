@@ -9,7 +9,8 @@ if(RASTERSLAM_WERROR)
   target_compile_options(slam_build_flags INTERFACE -Werror)
 endif()
 if(RASTERSLAM_SANITIZE)
-  target_compile_options(slam_build_flags INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer
+  # Not optimised at all, the tests of the estimators take hours.
+  target_compile_options(slam_build_flags INTERFACE -O1 -fsanitize=address,undefined -fno-omit-frame-pointer
                                                     -fno-sanitize-recover=undefined)
   target_link_options(slam_build_flags INTERFACE -fsanitize=address,undefined)
   set(slam_test_environment "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0")
