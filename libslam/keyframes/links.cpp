@@ -7,6 +7,12 @@
 #include <queue>
 
 namespace slam::keyframes {
+namespace {
+
+/// Ways are sorted into so many classes of length.
+constexpr int kBuckets = 64;
+
+}  // namespace
 
 void Links::join(int a, int b, double length_m) {
   links_[static_cast<size_t>(a)].push_back({b, length_m});
@@ -44,28 +50,30 @@ std::vector<std::pair<double, int>> Links::around(const std::vector<core::Pose2>
                                                   const core::Point2& centre, double path_m,
                                                   double radius_m) const {
   reached_.resize(links_.size(), -1);
-  touched_.clear(), queue_.clear();
-  reached_[static_cast<size_t>(start)] = 0;
-  touched_.push_back(start);
-  queue_.push_back({0, start});
+  touched_.clear();
+  buckets_.resize(kBuckets + 1);
+  const double per_m = path_m > 0 ? kBuckets / path_m : 0;
+  const auto reach = [&](int k, double length_m) {
+    double& best = reached_[static_cast<size_t>(k)];
+    if (length_m > path_m || (best >= 0 && best <= length_m)) return;
+    if (best < 0) touched_.push_back(k);
+    best = length_m;
+    buckets_[static_cast<size_t>(length_m * per_m)].push_back({length_m, k});
+  };
   const double near2 = radius_m * radius_m, far2 = 2.25 * near2;
   std::vector<std::pair<double, int>> near;
-  // First in, first out: rooms are wide and chains short, so few keyframes are reached again by a shorter
-  // way.
-  for (size_t next = 0; next < queue_.size(); ++next) {
-    const auto [length_m, k] = queue_[next];
-    if (length_m > reached_[static_cast<size_t>(k)]) continue;
-    const double dx = poses[static_cast<size_t>(k)].x - centre.x,
-                 dy = poses[static_cast<size_t>(k)].y - centre.y;
-    if (dx * dx + dy * dy > far2) continue;
-    for (const Link& link : links_[static_cast<size_t>(k)]) {
-      const double reach = length_m + link.length_m;
-      double& best = reached_[static_cast<size_t>(link.to)];
-      if (reach > path_m || (best >= 0 && best <= reach)) continue;
-      if (best < 0) touched_.push_back(link.to);
-      best = reach;
-      queue_.push_back({reach, link.to});
+  reach(start, 0);
+  // Nearly the shortest first, so that few keyframes are reached again by a shorter way.
+  for (auto& bucket : buckets_) {
+    for (size_t next = 0; next < bucket.size(); ++next) {
+      const auto [length_m, k] = bucket[next];
+      if (length_m > reached_[static_cast<size_t>(k)]) continue;
+      const double dx = poses[static_cast<size_t>(k)].x - centre.x,
+                   dy = poses[static_cast<size_t>(k)].y - centre.y;
+      if (dx * dx + dy * dy > far2) continue;
+      for (const Link& link : links_[static_cast<size_t>(k)]) reach(link.to, length_m + link.length_m);
     }
+    bucket.clear();
   }
   for (const int k : touched_) {
     const double dx = poses[static_cast<size_t>(k)].x - centre.x,

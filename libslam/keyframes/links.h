@@ -33,7 +33,7 @@ class Links {
   // Scratch of around().
   mutable std::vector<double> reached_;
   mutable std::vector<int> touched_;
-  mutable std::vector<std::pair<double, int>> queue_;
+  mutable std::vector<std::vector<std::pair<double, int>>> buckets_;  ///< by length, to each keyframe
 };
 
 /// Length of the shortest way from keyframe `from` to every one before it, along the path driven and through

@@ -135,21 +135,31 @@ class WindowSearch {
   }
 
  private:
-  /// Cells of the turned points at the window's lowest shift.
+  /// Points turned, at the window's lowest shift. Those that no shift brings into the map are left out.
+  struct Turned {
+    std::vector<int> inside;    ///< offsets of those that every shift leaves in the map: most
+    std::vector<Cell> at_edge;  ///< the others' cells
+  };
+
   void turn(const std::vector<core::Point2>& points) {
     const double cell_m = map_.cellSize();
+    const LikelihoodPyramid::Level level = map_.level(0);
     turned_.resize(2 * static_cast<size_t>(turns_) + 1);
     for (size_t t = 0; t < turned_.size(); ++t) {
       const double angle = centre_.phi + (static_cast<int>(t) - turns_) * turn_step_;
       const auto [s, c] = core::sinCos(angle);
-      auto& cells = turned_[t];
-      cells.reserve(points.size());
-      for (const auto& p : points)
-        cells.push_back(
-            {static_cast<int>(std::floor((centre_.x + c * p.x - s * p.y - map_.origin().x) / cell_m)) -
-                 reach_,
-             static_cast<int>(std::floor((centre_.y + s * p.x + c * p.y - map_.origin().y) / cell_m)) -
-                 reach_});
+      Turned& turned = turned_[t];
+      turned.inside.reserve(points.size());
+      for (const auto& p : points) {
+        const Cell cell{
+            static_cast<int>(std::floor((centre_.x + c * p.x - s * p.y - map_.origin().x) / cell_m)) - reach_,
+            static_cast<int>(std::floor((centre_.y + s * p.x + c * p.y - map_.origin().y) / cell_m)) -
+                reach_};
+        if (level.covers(cell.column, cell.row, width_))
+          turned.inside.push_back(level.offset(cell.column, cell.row));
+        else if (level.touches(cell.column, cell.row, width_))
+          turned.at_edge.push_back(cell);
+      }
     }
   }
 
@@ -168,15 +178,21 @@ class WindowSearch {
   bool isWorthIt(Node& node) const {
     constexpr size_t kBlock = 16;
     if (isExcluded(node)) return false;
-    const auto& cells = turned_[static_cast<size_t>(node.turn)];
+    const auto& [inside, at_edge] = turned_[static_cast<size_t>(node.turn)];
     const LikelihoodPyramid::Level level = map_.level(node.level);
-    int sum = 0, left = full_;
-    for (size_t i = 0; i < cells.size();) {
-      const size_t end = std::min(i + kBlock, cells.size());
-      left -= 255 * static_cast<int>(end - i);
-      for (; i < end; ++i) sum += level(cells[i].column + node.column, cells[i].row + node.row);
-      if (sum + left <= best_sum_) return false;
-    }
+    const int shift = level.shift(node.column, node.row);
+    int sum = 0, left = 255 * static_cast<int>(inside.size() + at_edge.size());
+    const auto isBeaten = [&] { return sum + left <= best_sum_; };
+    const auto add = [&](const auto& points, const auto& value) {
+      for (size_t i = 0; i < points.size() && !isBeaten();) {
+        const size_t end = std::min(i + kBlock, points.size());
+        left -= 255 * static_cast<int>(end - i);
+        for (; i < end; ++i) sum += value(points[i]);
+      }
+    };
+    add(at_edge, [&](const Cell& cell) { return level(cell.column + node.column, cell.row + node.row); });
+    add(inside, [&](int offset) { return level[offset + shift]; });
+    if (isBeaten()) return false;
     node.sum = sum;
     return true;
   }
@@ -214,7 +230,7 @@ class WindowSearch {
   double turn_step_ = 0;
   int turns_ = 0, reach_ = 0, width_ = 0, best_sum_ = 0;
   double apart2_ = 0, not_column_ = 0, not_row_ = 0;  ///< in cells
-  std::vector<std::vector<Cell>> turned_;
+  std::vector<Turned> turned_;
 };
 
 }  // namespace
