@@ -84,7 +84,7 @@ std::vector<int> LoopCloser::loopCandidates(const keyframes::LoopSearch& search)
   const int k = search.keyframe;
   std::vector<std::pair<double, int>> by_distance;
   for (int old = 0; old < k; ++old) {
-    if (search.is_local[static_cast<size_t>(old)]) continue;
+    if (search.is_local[static_cast<size_t>(old)] || !map_->mayBeMatchedTo(old)) continue;
     const double away_m = core::distance(map_->pose(old), map_->pose(k));
     if (away_m < loopReach(search, old) + 1) by_distance.push_back({away_m, old});
   }
