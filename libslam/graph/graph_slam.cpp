@@ -28,7 +28,10 @@ GraphSlam::GraphSlam(const keyframes::GraphOptions& options)
       loops_(*map_),
       finder_(*map_),
       maps_(options, true),
-      pass_map_(options.cell_m, options.blur_m, true) {}
+      pass_map_(options.cell_m, options.blur_m, true) {
+  map_->fill(maps_, {}, {});
+  pass_map_.clear({}, keyframes::kMapReach_m);
+}
 
 Pose2 GraphSlam::currentPose() const {
   return map_->pose(anchor_) * T_keyframe_robot_;
@@ -82,6 +85,7 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
   }
   if (options_.loops && map_->isCutOff(map_->lastKeyframe()) && doubt_.begins < 0 && !loops_.isClosing())
     lookForPart(map_->parts().back().begin, map_->lastKeyframe());
+  loops_.continueSearching();
   records_.push_back({anchor_, T_keyframe_robot_, step.drift_covariance});
   map_->nextScan();
   keepScan(scan);

@@ -28,7 +28,10 @@ LevelMaps::LevelMaps(const GraphOptions& o, bool two_sided)
       middle(2 * o.cell_m, o.blur_m + 0.02),
       coarse(4 * o.cell_m, o.blur_m + 0.07) {}
 
-KeyframeMap::KeyframeMap(const GraphOptions& options) : options_(options), scratch_(options, false) {}
+KeyframeMap::KeyframeMap(const GraphOptions& options) : options_(options), scratch_(options, false) {
+  // Memory that is touched for the first time is slow: no scan shall wait for it.
+  fill(scratch_, {}, {});
+}
 
 void KeyframeMap::note(core::JournalEvent event, double value, int other_keyframe,
                        const std::string& detail) {

@@ -22,6 +22,8 @@ inline constexpr double kHeadingStep_rad = 2 * core::kPi / kHeadings;
 inline constexpr double kPlaceStep_m = 4, kPlaceHalf_m = 5, kPlaceReach_m = 12;
 /// The local map reaches this far from the robot.
 inline constexpr double kMapReach_m = 30;
+/// Multiplications in one of loop_work.
+inline constexpr double kWorkPerUnit = 1e6;
 /// What being kidnapped counts as driven.
 inline constexpr double kGapPath_m = 1000;
 /// Of the newest path, at most so many are searched for together.

@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "libslam/keyframes/search.h"
 #include "libslam/loops/loop_closer.h"
 #include "libslam/posegraph/optimize.h"
 
@@ -17,6 +18,7 @@ constexpr double kFound = 0.05;
 }  // namespace
 
 void LoopCloser::beginClosing() {
+  search_.giveUp();
   posegraph::OptimizeOptions options;
   // Loops are judged whole, by accept(); one edge of a loop is no loop.
   options.robust = "none";
@@ -39,7 +41,7 @@ void LoopCloser::beginClosing(const keyframes::Hypothesis& loop, bool is_linked)
 bool LoopCloser::continueClosing(bool may_move) {
   if (!closing_) return false;
   if (!closing_->is_found) {
-    const double most = 1e6 * options_->loop_work;
+    const double most = keyframes::kWorkPerUnit * options_->loop_work;
     double work = most;
     closing_->is_found = closing_->work->advance(work);
     // To take them over is work, too.

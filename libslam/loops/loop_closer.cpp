@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/search.h"
@@ -101,9 +102,10 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
     hypotheses_.clear();
     if (const auto accepted = accept(loop, of_places)) return accepted;
   }
+  if (search_.isUnderWay()) return std::nullopt;
   // A wide search is dear, and what it would find is still there some metres on.
   const double pause_m = std::max(options_->loop_every_m,
-                                  std::min(kPausePerReach * searched_reach_m_, options_->loop_path_m / 2));
+                                  std::min(kPausePerReach * search_.reach_m(), options_->loop_path_m / 2));
   // While a place is followed only a rival is still looked for.
   if (map_->path_m() - searched_m_ < (hypotheses_.empty() ? 1 : kRivalPause) * pause_m) return std::nullopt;
   searched_m_ = map_->path_m();
@@ -111,8 +113,23 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
   while (first > 0 && k - first < keyframes::kMostQueryKeyframes &&
          map_->path_m() - map_->keyframe(first - 1).path_m < options_->loop_path_m)
     --first;
-  for (keyframes::Hypothesis& found : findLoop(k, first, k)) follow(found);
+  search_.begin(k, first, k);
   return std::nullopt;
+}
+
+void LoopCloser::continueSearching() {
+  continueSearching(keyframes::kWorkPerUnit * options_->loop_work);
+}
+
+void LoopCloser::completeSearching() {
+  continueSearching(std::numeric_limits<double>::infinity());
+}
+
+void LoopCloser::continueSearching(double work) {
+  if (!search_.isUnderWay()) return;
+  const auto isKnown = [&](const Pose2& T_map_robot) { return isFollowing(search_.keyframe(), T_map_robot); };
+  if (!search_.advance(work, isKnown)) return;
+  for (keyframes::Hypothesis& found : search_.take()) follow(found);
 }
 
 /// Whether a hypothesis that is followed has the keyframe there.
@@ -125,15 +142,19 @@ bool LoopCloser::isFollowing(int keyframe, const Pose2& T_map_robot) const {
   });
 }
 
-/// A hypothesis about the newest keyframe joins those that are followed, unless one of them says the same.
+/// A hypothesis about one of the newest keyframes joins those that are followed, unless one of them says the
+/// same.
 void LoopCloser::follow(keyframes::Hypothesis& found) {
   if (isFollowing(found.keyframe, found.T_map_robot)) return;
   confirm(found, found.keyframe);
-  if (found.failures == 0) hypotheses_.push_back(found);
+  if (found.failures > 0) return;
+  for (int k = found.keyframe + 1; k <= map_->lastKeyframe(); ++k) confirm(found, k);
+  if (found.failures <= keyframes::kMostFailures) hypotheses_.push_back(found);
 }
 
 void LoopCloser::searchRemainingLoops(int first_searched, const std::function<void()>& moved) {
   hypotheses_.clear();
+  search_.giveUp();
   const int n = map_->size();
   double searched_m = -1e9;
   for (int k = first_searched; k < n; ++k) {
@@ -143,7 +164,9 @@ void LoopCloser::searchRemainingLoops(int first_searched, const std::function<vo
     int first = k, last = k;
     while (first > 0 && at_m - map_->keyframe(first - 1).path_m < options_->loop_path_m / 2) --first;
     while (last + 1 < n && map_->keyframe(last + 1).path_m - at_m < options_->loop_path_m / 2) ++last;
-    std::vector<keyframes::Hypothesis> places = findLoop(k, first, last);
+    search_.begin(k, first, last);
+    search_.advance(std::numeric_limits<double>::infinity(), [](const Pose2&) { return false; });
+    std::vector<keyframes::Hypothesis> places = search_.take();
     for (keyframes::Hypothesis& forth : places) {
       keyframes::Hypothesis back = forth;
       for (int i = k; i <= last; ++i) confirm(forth, i);
@@ -215,6 +238,7 @@ std::optional<LoopCloser::Accepted> LoopCloser::accept(const keyframes::Hypothes
 void LoopCloser::forget() {
   searched_m_ = map_->path_m();
   hypotheses_.clear();
+  search_.giveUp();
 }
 
 LoopJudge LoopCloser::judge() const {

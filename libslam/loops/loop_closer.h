@@ -6,7 +6,7 @@
 
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/loops/loop_judge.h"
-#include "libslam/scanmatch/correlative_search.h"
+#include "libslam/loops/place_search.h"
 
 namespace slam::loops {
 
@@ -15,15 +15,18 @@ namespace slam::loops {
 class LoopCloser {
  public:
   /// The map has to stay where it is.
-  explicit LoopCloser(keyframes::KeyframeMap& map) : map_(&map), options_(&map.options()) {}
+  explicit LoopCloser(keyframes::KeyframeMap& map) : map_(&map), options_(&map.options()), search_(map) {}
 
   /// What a loop has tied together. `joins`: two parts of the map that had no known place in one another.
   struct Accepted {
     int old_keyframe, keyframe;
     bool joins;
   };
-  /// Follows the hypotheses to the newest keyframe, accepts what is confirmed, and searches for more.
+  /// Follows the hypotheses to the newest keyframe, accepts what is confirmed, and begins to search for more.
   std::optional<Accepted> closeLoops();
+  /// One piece of the search that is under way, or all that is left of it; what it finds is followed.
+  void continueSearching();
+  void completeSearching();
   /// With the whole path known a place can be looked at from both sides, and what drift had carried out of
   /// reach may have come near. From keyframe `first` on: a map of before was searched then. Calls `moved()`
   /// whenever the keyframes have moved.
@@ -54,16 +57,7 @@ class LoopCloser {
   bool isFollowing(int keyframe, const core::Pose2& T_map_robot) const;
   void follow(keyframes::Hypothesis& found);
 
-  // find_loop.cpp: where a place was seen before
-  keyframes::LoopSearch loopSearch(int keyframe) const;
-  void gatherQuery(keyframes::LoopSearch& search, int first, int last) const;
-  double loopReach(const keyframes::LoopSearch& search, int old) const;
-  std::vector<int> loopCandidates(const keyframes::LoopSearch& search) const;
-  std::vector<keyframes::Hypothesis> findLoop(int keyframe, int query_first, int query_last);
-  std::vector<keyframes::Hypothesis> loopsAt(const keyframes::LoopSearch& search, int old);
-  std::optional<keyframes::Hypothesis> loopFrom(const keyframes::LoopSearch& search, int old,
-                                                const std::vector<int>& around, const core::Pose2& T_found,
-                                                bool is_coarse, double least_score);
+  void continueSearching(double work);
 
   void beginClosing(const keyframes::Hypothesis& loop, bool is_linked);
   void beginClosing();
@@ -73,10 +67,9 @@ class LoopCloser {
   const keyframes::GraphOptions* options_;
   std::vector<keyframes::Hypothesis> hypotheses_;
   std::optional<keyframes::Closing> closing_;
-  size_t solved_edges_ = 0;               ///< of the graph, when all poses were found last
-  double searched_m_ = 0;                 ///< where on the way the last search was
-  double searched_reach_m_ = 0;           ///< its window
-  scanmatch::LikelihoodPyramid pyramid_;  ///< of findLoop()
+  size_t solved_edges_ = 0;  ///< of the graph, when all poses were found last
+  double searched_m_ = 0;    ///< where on the way the last search was
+  PlaceSearch search_;
 };
 
 }  // namespace slam::loops

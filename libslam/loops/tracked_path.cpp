@@ -41,7 +41,11 @@ bool TrackedPath::addKeyframe(const std::vector<lidar::Scan>& seen, const Placed
     return false;
   }
   insert(seen, placed, near);
-  return options.loops && size() > 1 && loops_->closeLoops() && loops_->completeClosing();
+  if (!options.loops || size() == 1) return false;
+  if (loops_->closeLoops()) return loops_->completeClosing();
+  // The tracker may put the newest keyframes elsewhere before the next one comes.
+  loops_->completeSearching();
+  return false;
 }
 
 /// Whether the keyframes around see all that a scan sees, often enough, so that one more tells nothing.

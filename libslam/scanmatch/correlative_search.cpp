@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "libslam/core/elementary.h"
 
@@ -88,10 +89,15 @@ bool worse(const Node& a, const Node& b) {
   return a.sum < b.sum;
 }
 
+/// What one point of one pose costs, in multiplications.
+constexpr double kWorkPerLook = 10;
+
+}  // namespace
+
 /// Branch and bound, depth first, over the shifts and turns of a window.
-class WindowSearch {
+class SearchInPieces::Window {
  public:
-  WindowSearch(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
+  Window(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
                const core::Pose2& centre, const SearchWindow& window, double least_score)
       : map_(map), centre_(centre), full_(static_cast<int>(255 * points.size())) {
     const double cell_m = map.cellSize();
@@ -108,29 +114,30 @@ class WindowSearch {
     turn(points);
   }
 
-  std::optional<SearchResult> best() {
-    std::vector<Node> stack = roots();
-    std::optional<Node> best;
-    std::vector<Node> children;
-    while (!stack.empty()) {
-      const Node node = stack.back();
-      stack.pop_back();
-      if (node.sum <= best_sum_) continue;
-      if (node.level == 0) {
-        best_sum_ = node.sum;
-        best = node;
-        continue;
+  bool advance(double& work) {
+    for (looks_ = 0; kWorkPerLook * looks_ < work;) {
+      if (next_turn_ <= 2 * turns_) {
+        addRoots(next_turn_++);
+        if (next_turn_ > 2 * turns_) std::stable_sort(stack_.begin(), stack_.end(), worse);
+      } else if (!stack_.empty()) {
+        goOn();
+      } else {
+        work -= kWorkPerLook * looks_;
+        return true;
       }
-      split(node, children);
-      stack.insert(stack.end(), children.begin(), children.end());
     }
-    if (!best) return std::nullopt;
+    work -= kWorkPerLook * looks_;
+    return false;
+  }
+
+  std::optional<SearchResult> best() const {
+    if (!best_) return std::nullopt;
     const double cell_m = map_.cellSize();
     SearchResult result;
-    result.T_map_robot = {centre_.x + (best->column - reach_) * cell_m,
-                          centre_.y + (best->row - reach_) * cell_m,
-                          core::wrapToPi(centre_.phi + (best->turn - turns_) * turn_step_)};
-    result.score = static_cast<double>(best->sum) / full_;
+    result.T_map_robot = {centre_.x + (best_->column - reach_) * cell_m,
+                          centre_.y + (best_->row - reach_) * cell_m,
+                          core::wrapToPi(centre_.phi + (best_->turn - turns_) * turn_step_)};
+    result.score = static_cast<double>(best_->sum) / full_;
     return result;
   }
 
@@ -175,7 +182,7 @@ class WindowSearch {
   }
 
   /// Sets the node's sum. Given up as soon as the points that are left cannot make it better than the best.
-  bool isWorthIt(Node& node) const {
+  bool isWorthIt(Node& node) {
     constexpr size_t kBlock = 16;
     if (isExcluded(node)) return false;
     const auto& [inside, at_edge] = turned_[static_cast<size_t>(node.turn)];
@@ -187,6 +194,7 @@ class WindowSearch {
       for (size_t i = 0; i < points.size() && !isBeaten();) {
         const size_t end = std::min(i + kBlock, points.size());
         left -= 255 * static_cast<int>(end - i);
+        looks_ += static_cast<double>(end - i);
         for (; i < end; ++i) sum += value(points[i]);
       }
     };
@@ -197,31 +205,37 @@ class WindowSearch {
     return true;
   }
 
-  /// The whole window in squares of the coarsest level that is of use, the best last.
-  std::vector<Node> roots() const {
+  /// The whole window, turned once, in squares of the coarsest level that is of use.
+  void addRoots(int turn) {
     const int top = std::min(map_.levels() - 1, static_cast<int>(std::ceil(core::log2(2 * reach_ + 1))));
-    std::vector<Node> nodes;
-    for (int t = 0; t <= 2 * turns_; ++t)
-      for (int row = 0; row < width_; row += 1 << top)
-        for (int column = 0; column < width_; column += 1 << top) {
-          Node node{top, t, column, row, 0};
-          if (isWorthIt(node)) nodes.push_back(node);
-        }
-    std::stable_sort(nodes.begin(), nodes.end(), worse);
-    return nodes;
+    for (int row = 0; row < width_; row += 1 << top)
+      for (int column = 0; column < width_; column += 1 << top) {
+        Node node{top, turn, column, row, 0};
+        if (isWorthIt(node)) stack_.push_back(node);
+      }
+  }
+
+  void goOn() {
+    const Node node = stack_.back();
+    stack_.pop_back();
+    if (node.sum <= best_sum_) return;
+    if (node.level == 0)
+      best_sum_ = node.sum, best_ = node;
+    else
+      split(node);
   }
 
   /// Its quarters that are worth it, the best last.
-  void split(const Node& node, std::vector<Node>& children) const {
-    children.clear();
+  void split(const Node& node) {
+    const auto first = static_cast<std::ptrdiff_t>(stack_.size());
     const int half = 1 << (node.level - 1);
     for (const int dr : {0, half})
       for (const int dc : {0, half}) {
         if (node.column + dc >= width_ || node.row + dr >= width_) continue;
         Node child{node.level - 1, node.turn, node.column + dc, node.row + dr, 0};
-        if (isWorthIt(child)) children.push_back(child);
+        if (isWorthIt(child)) stack_.push_back(child);
       }
-    std::stable_sort(children.begin(), children.end(), worse);
+    std::stable_sort(stack_.begin() + first, stack_.end(), worse);
   }
 
   const LikelihoodPyramid& map_;
@@ -231,15 +245,35 @@ class WindowSearch {
   int turns_ = 0, reach_ = 0, width_ = 0, best_sum_ = 0;
   double apart2_ = 0, not_column_ = 0, not_row_ = 0;  ///< in cells
   std::vector<Turned> turned_;
+  int next_turn_ = 0;  ///< that has no roots yet
+  std::vector<Node> stack_;
+  std::optional<Node> best_;
+  double looks_ = 0;  ///< of the piece at hand
 };
 
-}  // namespace
+SearchInPieces::SearchInPieces(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
+                               const core::Pose2& centre, const SearchWindow& window, double least_score)
+    : window_(points.empty() ? nullptr
+                             : std::make_unique<Window>(map, points, centre, window, least_score)) {}
+SearchInPieces::SearchInPieces(SearchInPieces&&) noexcept = default;
+SearchInPieces& SearchInPieces::operator=(SearchInPieces&&) noexcept = default;
+SearchInPieces::~SearchInPieces() = default;
+
+bool SearchInPieces::advance(double& work) {
+  return !window_ || window_->advance(work);
+}
+
+std::optional<SearchResult> SearchInPieces::best() const {
+  return window_ ? window_->best() : std::nullopt;
+}
 
 std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
                                        const core::Pose2& centre, const SearchWindow& window,
                                        double least_score) {
-  if (points.empty()) return std::nullopt;
-  return WindowSearch(map, points, centre, window, least_score).best();
+  SearchInPieces search(map, points, centre, window, least_score);
+  double all = std::numeric_limits<double>::infinity();
+  search.advance(all);
+  return search.best();
 }
 
 }  // namespace slam::scanmatch

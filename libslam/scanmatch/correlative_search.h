@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -24,6 +25,8 @@ class LikelihoodPyramid {
 
   double cellSize() const { return cell_m_; }
   core::Point2 origin() const { return origin_; }
+  /// Values of all levels.
+  size_t size() const { return levels_.empty() ? 0 : levels_.size() * levels_.front().size(); }
   int levels() const { return static_cast<int>(levels_.size()); }
   /// One level, for many questions. REQUIRES that the pyramid stays as it is.
   class Level {
@@ -92,5 +95,26 @@ struct SearchResult {
 std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
                                        const core::Pose2& centre, const SearchWindow& window,
                                        double least_score);
+
+/// The same in pieces, so that nobody waits long for it.
+class SearchInPieces {
+ public:
+  /// REQUIRES that the map stays as it is.
+  SearchInPieces(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
+                 const core::Pose2& centre, const SearchWindow& window, double least_score);
+  SearchInPieces(SearchInPieces&& other) noexcept;
+  SearchInPieces& operator=(SearchInPieces&& other) noexcept;
+  ~SearchInPieces();
+
+  /// Takes what it does off `work` (multiplications), which may end a little below 0; ends when nothing of it is
+  /// left. True when the search is done.
+  bool advance(double& work);
+  /// REQUIRES that it is done.
+  std::optional<SearchResult> best() const;
+
+ private:
+  class Window;
+  std::unique_ptr<Window> window_;
+};
 
 }  // namespace slam::scanmatch

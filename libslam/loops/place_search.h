@@ -1,0 +1,67 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "libslam/keyframes/keyframe_map.h"
+#include "libslam/scanmatch/correlative_search.h"
+
+namespace slam::loops {
+
+/// Looks for places where what the keyframes around one of them see was seen before: the best one around one of
+/// the nearest old keyframes that drift could have carried apart, and after it the best elsewhere in its window
+/// that explain nearly as much. A piece at a time. For the rooms of graph SLAM only.
+class PlaceSearch {
+ public:
+  /// The map has to stay where it is; while a search is under way, so have its poses.
+  explicit PlaceSearch(keyframes::KeyframeMap& map) : map_(&map), options_(&map.options()) {}
+
+  /// For the scans of the keyframes [first, last] around `keyframe`.
+  void begin(int keyframe, int first, int last);
+  bool isUnderWay() const { return stage_ != Stage::kNone; }
+  void giveUp() { stage_ = Stage::kNone; }
+  int keyframe() const { return search_.keyframe; }
+  /// One piece, of so much work (multiplications) and what cannot be divided. `isKnown`: such a place of the
+  /// keyframe needs no match. True when the search is done.
+  bool advance(double work, const std::function<bool(const core::Pose2& T_map_robot)>& isKnown);
+  /// What was found. REQUIRES that the search is done.
+  std::vector<keyframes::Hypothesis> take() { return std::move(found_); }
+  /// The widest window of the last search; 0: there was no place to look at.
+  double reach_m() const { return reach_m_; }
+
+ private:
+  enum class Stage { kNone, kPlace, kBest, kRival, kLikelier };
+  void measureWays(int keyframe);
+  void gatherQuery(int first, int last);
+  double reachOf(int old) const;
+  void listCandidates();
+  bool nextPlace(double& work);
+  Stage noteBest(const std::optional<scanmatch::SearchResult>& best, double& work);
+  Stage noteRival(const std::optional<scanmatch::SearchResult>& rival, double& work);
+  void searchOn(double least_score);
+  bool add(const core::Pose2& T_found, double least_score, double& work);
+  std::optional<keyframes::Hypothesis> matchAt(const core::Pose2& T_found, double least_score);
+
+  keyframes::KeyframeMap* map_;
+  const keyframes::GraphOptions* options_;
+  const std::function<bool(const core::Pose2&)>* is_known_ = nullptr;  ///< of the piece at hand
+  Stage stage_ = Stage::kNone;
+  keyframes::LoopSearch search_;
+  std::vector<int> candidates_;  ///< old keyframes, the nearest first
+  std::vector<char> is_tried_;
+  size_t next_ = 0;  ///< of the candidates
+  int places_ = 0;   ///< tried
+  double reach_m_ = 0;
+  // The place at hand.
+  int old_ = -1;
+  std::vector<int> around_;
+  bool is_coarse_ = false;
+  scanmatch::LikelihoodPyramid pyramid_;
+  scanmatch::SearchWindow window_{};
+  std::optional<scanmatch::SearchInPieces> pieces_;
+  scanmatch::SearchResult best_{};
+  std::vector<keyframes::Hypothesis> found_;
+};
+
+}  // namespace slam::loops
