@@ -49,12 +49,15 @@ void KeyframeMap::removeClosure(int a, int b) {
 
 void KeyframeMap::settle() {
   links_.measure(graph_.poses());
+  ++revision_;
+}
+
+void KeyframeMap::updateCovariances() {
   const auto covariances = keyframeCovariances();
   for (size_t i = 0; i < covariances.size(); ++i) {
     keyframes_[i].covariance = covariances[i];
     keyframes_[i].root = scanmatch::rootOf(covariances[i] + keyframes_[i].noise);
   }
-  ++revision_;
 }
 
 void KeyframeMap::link(int a, int b) {

@@ -54,8 +54,9 @@ class KeyframeMap {
   void removeClosure(int a, int b);
   /// The shortest way from a keyframe to every earlier one: what the drift between them grows with.
   std::vector<double> pathTo(int keyframe) const;
-  /// After the poses have moved: lengths of links, and how sure the poses are.
+  /// After the poses have moved: lengths of links; and then how sure the poses are.
   void settle();
+  void updateCovariances();
 
   // Parts of the map that have no known place in one another.
   const std::vector<Part>& parts() const { return parts_; }

@@ -39,30 +39,40 @@ void LoopCloser::beginClosing(const keyframes::Hypothesis& loop, bool is_linked)
 }
 
 bool LoopCloser::continueClosing(bool may_move) {
-  if (!closing_) return false;
-  if (!closing_->is_found) {
+  if (!isClosing()) return false;
+  if (closing_ && !closing_->is_found) {
     const double most = keyframes::kWorkPerUnit * options_->loop_work;
     double work = most;
     closing_->is_found = closing_->work->advance(work);
     // To take them over is work, too.
     if (work < most / 2) return false;
   }
-  return may_move && completeClosing();
+  if (!may_move) return false;
+  if (closing_)
+    takeOver();
+  else
+    updateCovariances();
+  return true;
 }
 
 bool LoopCloser::completeClosing() {
-  if (!closing_) return false;
-  takeOver();
+  if (!isClosing()) return false;
+  if (closing_) takeOver();
+  updateCovariances();
   return true;
+}
+
+void LoopCloser::updateCovariances() {
+  map_->updateCovariances();
+  has_old_covariances_ = false;
 }
 
 bool LoopCloser::closeRest() {
   // A shorter way has one pass through each place.
   if (map_->path_m() < options_->map_path_m) return false;
-  if (closing_ || map_->graph().edges().size() == solved_edges_) return false;
+  if (isClosing() || map_->graph().edges().size() == solved_edges_) return false;
   beginClosing();
-  takeOver();
-  return true;
+  return completeClosing();
 }
 
 /// The poses that were found; keyframes that came since lie as before to those that they were reached from.
@@ -86,6 +96,7 @@ void LoopCloser::takeOver() {
   closing_.reset();
   for (auto& place : hypotheses_) place.innovation = -1;
   map_->settle();
+  has_old_covariances_ = true;
   searched_m_ = map_->path_m();
   map_->note(core::JournalEvent::kOptimised, chi2);
 }

@@ -79,7 +79,7 @@ bool LoopCloser::isFollowedEnough(keyframes::Hypothesis& place, LoopJudge& judge
 }
 
 std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
-  if (closing_) return std::nullopt;
+  if (isClosing()) return std::nullopt;
   const int k = map_->lastKeyframe();
   for (size_t i = 0; i < hypotheses_.size();) {
     keyframes::Hypothesis& hypothesis = hypotheses_[i];

@@ -75,19 +75,18 @@ std::vector<std::pair<int, int>> BlockCholesky::listValues(int size,
 }
 
 /// Gives every value its place in the factor.
-void BlockCholesky::placeValues(const std::vector<std::pair<int, int>>& pairs,
-                                const std::vector<std::pair<int, int>>& blocks) {
-  values_.resize(pairs.size());
+void BlockCholesky::placeValues() {
+  values_.resize(pairs_.size());
   value_places_.clear();
   value_heights_.clear();
-  for (const auto& [a, b] : pairs) {
+  for (const auto& [a, b] : pairs_) {
     const int row = std::max(elimination_.position(a), elimination_.position(b)),
               column = std::min(elimination_.position(a), elimination_.position(b));
     value_places_.push_back(placeOf(row, column));
     value_heights_.push_back(panels_[at(elimination_.supernodeOf(column))].height);
   }
-  for (size_t b = 0; b < blocks.size(); ++b)
-    slots_[b].transposed = elimination_.position(blocks[b].first) < elimination_.position(blocks[b].second);
+  pairs_ = {};
+  has_places_ = true;
 }
 
 /// Of a block of the factor. REQUIRES row >= column.
@@ -99,8 +98,11 @@ size_t BlockCholesky::placeOf(int row, int column) const {
 }
 
 void BlockCholesky::analyse(int size, const std::vector<std::pair<int, int>>& blocks) {
-  const auto pairs = listValues(size, blocks);
-  elimination_ = Elimination(size, pairs);
+  pairs_ = listValues(size, blocks);
+  has_places_ = false;
+  elimination_ = Elimination(size, pairs_);
+  for (size_t b = 0; b < blocks.size(); ++b)
+    slots_[b].transposed = elimination_.position(blocks[b].first) < elimination_.position(blocks[b].second);
   panels_.clear();
   scalars_ = 0;
   for (const auto& supernode : elimination_.supernodes()) {
@@ -112,11 +114,10 @@ void BlockCholesky::analyse(int size, const std::vector<std::pair<int, int>>& bl
   factor_.reserve(scalars_);
   diagonal_.resize(at(size));
   inverse_pivot_.resize(at(size));
-  placeValues(pairs, blocks);
-  setZero();
 }
 
 void BlockCholesky::setZero() {
+  if (!has_places_) placeValues();
   std::fill(diagonal_.begin(), diagonal_.end(), Matrix3d::Zero());
   std::fill(values_.begin(), values_.end(), Matrix3d::Zero());
 }

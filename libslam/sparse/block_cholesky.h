@@ -17,7 +17,7 @@ class BlockCholesky {
  public:
   /// `blocks`: (row, column) of the off-diagonal blocks that may be other than zero, either triangle,
   /// repetitions allowed. REQUIRES indices within 0 .. size-1 and row != column. Cost: about that of one
-  /// factorisation.
+  /// factorisation, a third of it when setZero() is called first.
   void analyse(int size, const std::vector<std::pair<int, int>>& blocks);
 
   void setZero();
@@ -78,8 +78,7 @@ class BlockCholesky {
     long height = 0;
   };
   std::vector<std::pair<int, int>> listValues(int size, const std::vector<std::pair<int, int>>& blocks);
-  void placeValues(const std::vector<std::pair<int, int>>& pairs,
-                   const std::vector<std::pair<int, int>>& blocks);
+  void placeValues();
   size_t placeOf(int row, int column) const;
   bool makeRoom(double& work);
   void setPanels();
@@ -91,6 +90,8 @@ class BlockCholesky {
   static size_t at(long i) { return static_cast<size_t>(i); }
 
   Elimination elimination_;
+  std::vector<std::pair<int, int>> pairs_;  ///< of values_, until they have places in the factor
+  bool has_places_ = false;
   std::vector<Slot> slots_;
   std::vector<Eigen::Matrix3d> diagonal_, values_;  ///< of the matrix; by columns, and as listed
   std::vector<size_t> value_places_;                ///< of values_, in factor_

@@ -85,6 +85,9 @@ TEST(ClosingLoops, JoinsTheEndsOnlyWhenThePosesFollow) {
   EXPECT_FALSE(row.loops.continueClosing(false)) << "the map may not move yet";
   EXPECT_TRUE(row.loops.isClosing());
   EXPECT_TRUE(row.loops.continueClosing(true));
+  EXPECT_TRUE(row.loops.isClosing()) << "nobody knows yet how sure they are";
+  EXPECT_TRUE(row.loops.continueClosing(true));
+  EXPECT_FALSE(row.loops.isClosing());
   EXPECT_DOUBLE_EQ(row.map.pathTo(4)[0], 0);
   EXPECT_DOUBLE_EQ(row.map.pathTo(4)[1], 10);
   EXPECT_EQ(row.map.keyframesAround(0, {0, 0}, 1.91, 9).size(), 5U) << "1.9 m by the loop's link";
