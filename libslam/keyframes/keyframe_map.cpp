@@ -17,8 +17,8 @@ using scanmatch::PosePrior;
 
 namespace {
 
-/// Within this distance the map around the robot goes on as it is; and while no more of its keyframes are gone
-/// than this share.
+/// Within this distance the map around the robot goes on as it is; and while no more of its keyframes are
+/// gone than this share.
 constexpr double kSamePlace_m = 2, kMostGone = 0.25;
 
 }  // namespace
@@ -92,9 +92,9 @@ void KeyframeMap::refill(LevelMaps& maps, const std::vector<int>& keyframes, con
                       std::back_inserter(added));
   std::set_difference(maps.keyframes.begin(), maps.keyframes.end(), sorted.begin(), sorted.end(),
                       std::back_inserter(gone));
-  const bool is_same_place = maps.revision == revision_ &&
-                             core::distance(maps.centre, centre) < kSamePlace_m &&
-                             static_cast<double>(gone.size()) <= kMostGone * static_cast<double>(sorted.size());
+  const bool is_same_place =
+      maps.revision == revision_ && core::distance(maps.centre, centre) < kSamePlace_m &&
+      static_cast<double>(gone.size()) <= kMostGone * static_cast<double>(sorted.size());
   if (is_same_place)
     add(maps, added);
   else

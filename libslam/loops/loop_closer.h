@@ -40,8 +40,8 @@ class LoopCloser {
 
   // closing.cpp
   bool isClosing() const { return closing_ || has_old_covariances_; }
-  /// One piece. True when the keyframes have moved, which waits until `may_move`; and once more when it is known
-  /// how sure they are.
+  /// One piece. True when the keyframes have moved, which waits until `may_move`; and once more when it is
+  /// known how sure they are.
   bool continueClosing(bool may_move);
   /// All that is left. True when there was something, and the keyframes have moved.
   bool completeClosing();
@@ -70,8 +70,8 @@ class LoopCloser {
   std::vector<keyframes::Hypothesis> hypotheses_;
   std::optional<keyframes::Closing> closing_;
   bool has_old_covariances_ = false;  ///< of the keyframes, since they moved
-  size_t solved_edges_ = 0;  ///< of the graph, when all poses were found last
-  double searched_m_ = 0;    ///< where on the way the last search was
+  size_t solved_edges_ = 0;           ///< of the graph, when all poses were found last
+  double searched_m_ = 0;             ///< where on the way the last search was
   PlaceSearch search_;
 };
 

@@ -35,8 +35,8 @@ constexpr double kLikelyReach_m = 4;
 /// for, too, this near to where odometry has it, and farther by what drift allows.
 constexpr double kNoGap_m = 0.5;
 
-/// What one value of a pyramid costs, and one point drawn in it; and a match to a map, with each point of it: in
-/// multiplications.
+/// What one value of a pyramid costs, and one point drawn in it; and a match to a map, with each point of it:
+/// in multiplications.
 constexpr double kWorkPerValue = 3, kWorkPerDrawn = 500, kWorkPerMatch = 1e6, kWorkPerMatched = 200;
 
 /// Half of the points lie within this distance of the robot.

@@ -97,8 +97,8 @@ constexpr double kWorkPerLook = 10;
 /// Branch and bound, depth first, over the shifts and turns of a window.
 class SearchInPieces::Window {
  public:
-  Window(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
-               const core::Pose2& centre, const SearchWindow& window, double least_score)
+  Window(const LikelihoodPyramid& map, const std::vector<core::Point2>& points, const core::Pose2& centre,
+         const SearchWindow& window, double least_score)
       : map_(map), centre_(centre), full_(static_cast<int>(255 * points.size())) {
     const double cell_m = map.cellSize();
     double farthest = 1;
@@ -253,8 +253,8 @@ class SearchInPieces::Window {
 
 SearchInPieces::SearchInPieces(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
                                const core::Pose2& centre, const SearchWindow& window, double least_score)
-    : window_(points.empty() ? nullptr
-                             : std::make_unique<Window>(map, points, centre, window, least_score)) {}
+    : window_(points.empty() ? nullptr : std::make_unique<Window>(map, points, centre, window, least_score)) {
+}
 SearchInPieces::SearchInPieces(SearchInPieces&&) noexcept = default;
 SearchInPieces& SearchInPieces::operator=(SearchInPieces&&) noexcept = default;
 SearchInPieces::~SearchInPieces() = default;

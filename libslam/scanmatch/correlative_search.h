@@ -40,14 +40,16 @@ class LikelihoodPyramid {
     /// Whether all cells [column, column + width) x [row, row + width) have values; others are 0.
     bool covers(int column, int row, int width) const {
       const int c = column + pad_, r = row + pad_;
-      return c >= 0 && r >= 0 && c + width <= static_cast<int>(side_x_) && r + width <= static_cast<int>(side_y_);
+      return c >= 0 && r >= 0 && c + width <= static_cast<int>(side_x_) &&
+             r + width <= static_cast<int>(side_y_);
     }
     /// Whether any of them has.
     bool touches(int column, int row, int width) const {
       const int c = column + pad_, r = row + pad_;
       return c + width > 0 && r + width > 0 && c < static_cast<int>(side_x_) && r < static_cast<int>(side_y_);
     }
-    /// The same value without a check, and where it lies: offsets of cells add up. REQUIRES that it is covered.
+    /// The same value without a check, and where it lies: offsets of cells add up. REQUIRES that it is
+    /// covered.
     int operator[](int offset) const { return cells_[offset]; }
     int offset(int column, int row) const { return (row + pad_) * static_cast<int>(side_x_) + column + pad_; }
     int shift(int columns, int rows) const { return rows * static_cast<int>(side_x_) + columns; }
@@ -106,8 +108,8 @@ class SearchInPieces {
   SearchInPieces& operator=(SearchInPieces&& other) noexcept;
   ~SearchInPieces();
 
-  /// Takes what it does off `work` (multiplications), which may end a little below 0; ends when nothing of it is
-  /// left. True when the search is done.
+  /// Takes what it does off `work` (multiplications), which may end a little below 0; ends when nothing of it
+  /// is left. True when the search is done.
   bool advance(double& work);
   /// REQUIRES that it is done.
   std::optional<SearchResult> best() const;

@@ -31,8 +31,8 @@ class SurfelMap {
 
   /// Empty, covering [centre - reach, centre + reach] in both directions; points outside are left out.
   void clear(const core::Point2& centre, double reach_m);
-  /// Points of a scan, robot frame. `view` names the scan for firstViewOf(). Surfels that were given before and
-  /// that it changes stay as they were until they are asked for again.
+  /// Points of a scan, robot frame. `view` names the scan for firstViewOf(). Surfels that were given before
+  /// and that it changes stay as they were until they are asked for again.
   void add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot, int view = 0);
 
   core::Point2 origin() const { return origin_; }

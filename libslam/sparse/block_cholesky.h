@@ -11,8 +11,8 @@ namespace slam::sparse {
 /// pose; see Elimination. Columns with the same pattern are stored together, densely, and taken off the
 /// columns after them together (supernodes: Ng and Peyton, SIAM J. Sci. Comput. 14(5), 1993).
 ///
-/// Use: analyse() once per pattern; then setZero(), add..., factorize(), solve() as often as wanted.
-/// Deterministic: the same calls give the same bytes, on every processor.
+/// Use: analyse() once per pattern; then setZero(), add..., factorize(), solve() as often as wanted, in this
+/// order. Deterministic: the same calls give the same bytes, on every processor.
 class BlockCholesky {
  public:
   /// `blocks`: (row, column) of the off-diagonal blocks that may be other than zero, either triangle,

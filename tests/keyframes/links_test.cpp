@@ -159,6 +159,39 @@ TEST(Links, NothingFallsApartWhereKeyframesAreTakenOut) {
   }
 }
 
+TEST(Links, ReachWhatTheShortestOfAllChainsReaches) {
+  core::RandomStream random(7, "chains");
+  for (int drawn = 0; drawn < 20; ++drawn) {
+    constexpr int kCount = 40;
+    std::vector<core::Pose2> poses;
+    Links links;
+    std::vector<std::vector<double>> way(kCount, std::vector<double>(kCount, 1e300));
+    for (size_t k = 0; k < kCount; ++k) {
+      poses.push_back({random.uniform(-1, 1), random.uniform(-1, 1), 0});
+      links.addKeyframe();
+      way[k][k] = 0;
+    }
+    for (int link = 0; link < 120; ++link) {
+      const auto a = static_cast<size_t>(random.uniform(0, kCount - 0.1)),
+                 b = static_cast<size_t>(random.uniform(0, kCount - 0.1));
+      const double length_m = random.uniform(0, 4);
+      links.join(static_cast<int>(a), static_cast<int>(b), length_m);
+      way[a][b] = way[b][a] = std::min(way[a][b], length_m);
+    }
+    for (size_t via = 0; via < kCount; ++via)
+      for (size_t a = 0; a < kCount; ++a)
+        for (size_t b = 0; b < kCount; ++b) way[a][b] = std::min(way[a][b], way[a][via] + way[via][b]);
+    for (const double path_m : {0.0, 1.0, 3.3, 1e9}) {
+      auto reached = numbersOf(links.around(poses, 0, {0, 0}, path_m, 9));
+      std::sort(reached.begin(), reached.end());
+      std::vector<int> expected;
+      for (int k = 0; k < kCount; ++k)
+        if (way[0][static_cast<size_t>(k)] <= path_m) expected.push_back(k);
+      EXPECT_EQ(reached, expected) << drawn << ", " << path_m << " m";
+    }
+  }
+}
+
 TEST(Links, ShortestWaysByHand) {
   std::vector<double> path_m;
   for (int k = 0; k <= 20; ++k) path_m.push_back(1.0 * k);

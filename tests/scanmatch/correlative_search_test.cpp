@@ -117,5 +117,48 @@ TEST(LikelihoodPyramid, HoldsTheGreatestOfEveryWindow) {
       }
 }
 
+TEST(CorrelativeSearch, WhatLiesBesideTheMapCountsForNothing) {
+  // Of these points some are always beside the map, some come into it, and some leave it.
+  const LikelihoodPyramid map(chaos(60, 5, 2), 0.1, 0.12, 4);
+  auto points = chaos(25, 3, 102);
+  for (const core::Point2 far : {core::Point2{9, 0}, {-7, 2}, {5.1, 0.5}, {0, 5.5}, {-2.3, 1}})
+    points.push_back(far);
+  for (const core::Pose2 centre : {core::Pose2{1, 1, 0.2}, {-1.5, 1, 0}, {4, 4, 1}}) {
+    const SearchWindow window{1.5, 0.1};
+    const auto found = searchBest(map, points, centre, window, 0);
+    ASSERT_TRUE(found);
+    EXPECT_DOUBLE_EQ(found->score, bestByHand(map, points, centre, window)) << centre.x;
+  }
+}
+
+TEST(CorrelativeSearch, InPiecesItFindsTheSame) {
+  const auto map_points = chaos(80, 12, 1);
+  const LikelihoodPyramid map(map_points, 0.1, 0.12, 6);
+  const auto points = seenFrom({4.3, 6.1, 0.7}, map_points);
+  const core::Pose2 centre{6, 4.5, 0.5};
+  const SearchWindow window{3, 0.4};
+  const auto whole = searchBest(map, points, centre, window, 0.5);
+  ASSERT_TRUE(whole);
+  for (const double piece : {1.0, 1e5}) {
+    SearchInPieces search(map, points, centre, window, 0.5);
+    int pieces = 1;
+    for (double work = piece; !search.advance(work); work = piece, ++pieces) {
+      ASSERT_LE(work, 0) << "a piece ends when nothing is left";
+      ASSERT_GT(work, -1e4) << "and soon after it";
+    }
+    EXPECT_GT(pieces, 5) << piece;
+    const auto found = search.best();
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->T_map_robot.x, whole->T_map_robot.x);
+    EXPECT_EQ(found->T_map_robot.y, whole->T_map_robot.y);
+    EXPECT_EQ(found->T_map_robot.phi, whole->T_map_robot.phi);
+    EXPECT_EQ(found->score, whole->score);
+  }
+  SearchInPieces nothing(map, {}, centre, window, 0);
+  double work = 1;
+  EXPECT_TRUE(nothing.advance(work));
+  EXPECT_FALSE(nothing.best());
+}
+
 }  // namespace
 }  // namespace slam::scanmatch

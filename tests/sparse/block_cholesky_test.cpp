@@ -22,6 +22,7 @@ Twin randomMatrix(int size, const Blocks& blocks, std::uint64_t seed) {
   Twin out;
   out.dense = Eigen::MatrixXd::Zero(3L * size, 3L * size);
   out.sparse.analyse(size, blocks);
+  out.sparse.setZero();
   const auto any = [&random] {
     return Eigen::Matrix3d(Eigen::Matrix3d::NullaryExpr([&random] { return random.uniform(-1, 1); }));
   };
@@ -138,6 +139,7 @@ TEST(BlockCholesky, DampingMultipliesTheDiagonal) {
 TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
   BlockCholesky matrix;
   matrix.analyse(2, {{0, 1}});
+  matrix.setZero();
   EXPECT_FALSE(matrix.factorize()) << "zero";
   for (int row = 0; row < 2; ++row) matrix.addDiagonal(row, Eigen::Matrix3d::Identity());
   EXPECT_TRUE(matrix.factorize());

@@ -1,0 +1,108 @@
+#include "libslam/loops/place_search.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/keyframes/drawn_map.h"
+#include "tests/scanmatch/drawn_rooms.h"
+
+namespace slam::loops {
+namespace {
+
+using core::Pose2;
+using keyframes::test_maps::addKeyframe;
+
+/// A room of which some keyframes were made; a hundred metres later the robot is there again, and odometry
+/// has it elsewhere. No chain of links leads from there to the old ones.
+struct Return {
+  keyframes::KeyframeMap map{keyframes::GraphOptions{}};
+  PlaceSearch search{map};
+  Pose2 truth{2.2, 1.6, 0.4};
+  int k;
+  Return() {
+    for (int i = 0; i < 4; ++i)
+      addKeyframe(map, {1 + 0.4 * i, 1.2, 0.1 * i}, at({1 + 0.4 * i, 1.2, 0.1 * i}), 0.4 * i, i - 1);
+    map.drive(100);
+    k = addKeyframe(map, {2.9, 1.1, 0.5}, at(truth), 100, -1);
+  }
+  static lidar::Scan at(const Pose2& T_map_robot) {
+    core::RandomStream chance(1, "looks");
+    auto walls = scanmatch_test::rectangle(0, 0, 5, 3);
+    for (const auto& box :
+         {scanmatch_test::rectangle(0, 2.2, 0.9, 3), scanmatch_test::rectangle(3.8, 0, 5, 0.5)})
+      walls.insert(walls.end(), box.begin(), box.end());
+    return scanmatch_test::look(walls, T_map_robot, {}, chance);
+  }
+  std::vector<keyframes::Hypothesis> found(double piece = std::numeric_limits<double>::infinity()) {
+    search.begin(k, k, k);
+    pieces = 1;
+    while (!search.advance(piece, [](const Pose2&) { return false; })) ++pieces;
+    return search.take();
+  }
+  int pieces = 0;
+};
+
+TEST(PlaceSearch, FindsWhereTheRobotWasBefore) {
+  Return robot;
+  const auto places = robot.found();
+  ASSERT_FALSE(places.empty());
+  EXPECT_LT(core::distance(places[0].T_map_robot, robot.truth), 0.02);
+  EXPECT_NEAR(places[0].T_map_robot.phi, robot.truth.phi, 0.01);
+  EXPECT_EQ(places[0].keyframe, robot.k);
+  EXPECT_EQ(places[0].begun_m, 100);
+  EXPECT_FALSE(robot.search.isUnderWay());
+  EXPECT_EQ(robot.pieces, 1);
+  EXPECT_NEAR(robot.search.reach_m(), 1.5 + 0.03 * (100 - 1.2), 0.05);
+}
+
+TEST(PlaceSearch, InPiecesItFindsTheSame) {
+  Return at_once, robot;
+  const auto expected = at_once.found(), places = robot.found(1e5);
+  EXPECT_GT(robot.pieces, 5);
+  ASSERT_EQ(places.size(), expected.size());
+  for (size_t i = 0; i < places.size(); ++i) {
+    EXPECT_EQ(places[i].T_map_robot.x, expected[i].T_map_robot.x);
+    EXPECT_EQ(places[i].T_map_robot.phi, expected[i].T_map_robot.phi);
+    EXPECT_EQ(places[i].old_keyframe, expected[i].old_keyframe);
+  }
+}
+
+TEST(PlaceSearch, LooksAtNoPlaceThatNothingMayBeMatchedTo) {
+  Return robot;
+  // The nearest ones are those that nothing is left of; without them there is a place all the same.
+  for (int i = 0; i < 5; ++i) {
+    const int gone = addKeyframe(robot.map, {2.9, 1.1 + 0.01 * i, 0}, {}, 50 + 15 * i, -1);
+    robot.map.keyframes()[static_cast<size_t>(gone)].is_retired = true;
+  }
+  robot.k = addKeyframe(robot.map, {2.9, 1.1, 0.5}, Return::at(robot.truth), 200, -1);
+  robot.map.keyframes()[4].is_retired = true;
+  const auto places = robot.found();
+  ASSERT_FALSE(places.empty());
+  EXPECT_LT(core::distance(places[0].T_map_robot, robot.truth), 0.02);
+}
+
+TEST(PlaceSearch, ThatIsGivenUpFindsNothing) {
+  Return robot;
+  robot.search.begin(robot.k, robot.k, robot.k);
+  EXPECT_TRUE(robot.search.isUnderWay());
+  robot.search.advance(1, [](const Pose2&) { return false; });
+  robot.search.giveUp();
+  EXPECT_FALSE(robot.search.isUnderWay());
+  EXPECT_TRUE(robot.search.take().empty());
+}
+
+TEST(PlaceSearch, WhatIsKnownNeedsNoMatch) {
+  Return robot;
+  robot.search.begin(robot.k, robot.k, robot.k);
+  int asked = 0;
+  EXPECT_TRUE(robot.search.advance(std::numeric_limits<double>::infinity(), [&](const Pose2& T) {
+    return ++asked, core::distance(T, robot.truth) < 0.3;
+  }));
+  EXPECT_GT(asked, 0);
+  for (const auto& place : robot.search.take())
+    EXPECT_GT(core::distance(place.T_map_robot, robot.truth), 0.3);
+}
+
+}  // namespace
+}  // namespace slam::loops
