@@ -24,6 +24,7 @@ struct Arguments {
   std::string method, log, continued, localised, lidars;
   std::string start;  ///< x_m,y_m,yaw_deg
   bool journal = false, keep_partial = false;
+  int threads = 1;
 };
 
 run::Continuation continuationOf(const Arguments& arguments) {
@@ -122,10 +123,13 @@ int runMethod(const Context& context, const Arguments& arguments) {
   const std::string folder = context.output.empty() ? name : context.output;
   ConsoleProgress progress(context.quiet);
   NotFoundYet not_found(context, arguments.localised);
-  const auto result =
-      run::buildMap(arguments.log, config, name, context.seed, folder, context.overwrite, context.manifest(),
-                    progress, true, continuationOf(arguments),
-                    arguments.localised.empty() ? nullptr : &not_found, arguments.keep_partial);
+  run::BuildOptions options;
+  options.continuation = continuationOf(arguments);
+  if (!arguments.localised.empty()) options.observer = &not_found;
+  options.keep_partial = arguments.keep_partial;
+  options.threads = arguments.threads;
+  const auto result = run::buildMap(arguments.log, config, name, context.seed, folder, context.overwrite,
+                                    context.manifest(), progress, options);
   const auto lost = results::lostInTheEnd(result.journal);
   const auto exit_code = static_cast<int>(exitCodeOf(result, lost.has_value()));
   if (result.stopped)
@@ -193,6 +197,10 @@ void addRun(CLI::App& app, Context& context) {
       "--start", arguments->start,
       "where the log begins in that map: x_m,y_m,yaw_deg (default: where that run ended; with --localise and "
       "a method of type graph it is found anywhere)");
+  command
+      ->add_option("--threads", arguments->threads,
+                   "2: the scans are held against the map while that is written; the same bytes")
+      ->check(CLI::Range(1, 256));
   command->add_option("--lidars", arguments->lidars,
                       "sensor labels of the lidars to use, as front,rear (default: all 2D scanners)");
   addOutput(command, context, "folder to write (default: the method's name)");

@@ -272,7 +272,7 @@ int viewRun(const Context& context, const ViewArguments& arguments) {
   std::string written;
   const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage*) {
     run::buildMap(arguments.input, config, name, context.seed, folder, context.overwrite, context.manifest(),
-                  progress, true, {}, &observer);
+                  progress, {true, {}, &observer});
     if (!context.output.empty()) written = "map, path, journal: " + folder;
   });
   return report(shown, arguments.show, written);

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/core/thread_team.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
@@ -222,15 +223,10 @@ class Finisher {
 
   /// Scans and poses pair up in the log's order, which is the robot's; a trajectory's order is that of the
   /// stamps, which run back in some logs.
-  Ending results(const std::string& log_path, const std::string& lidars, core::Progress& progress) {
+  Ending results() {
     ask([&] { ending_.final_path = mapping::finalPath(method_, run_.estimate); });
     ending_.path = ending_.final_path.value_or(run_.estimate);
     ask([&] { ending_.map = mapping::currentMap(method_); });
-    if (!run_.stopped)
-      stoppable(run_, taken_, keep_partial_, [&] {
-        ending_.self =
-            results::selfScore(log_path, ending_.path, results::toPlan(*ending_.map), progress, lidars);
-      });
     if (!run_.stopped) ask([&] { ending_.covariances = mapping::finalCovariances(method_); });
     if (!run_.stopped && ending_.final_path) ask([&] { askRelativeCovariances(); });
     return std::move(ending_);
@@ -266,6 +262,26 @@ class Finisher {
   Ending ending_;
 };
 
+/// Holds the scans against the path and the map, and meanwhile, where there are two threads, writes the map.
+void scoreAndDraw(const mapping::MapBuilder& method, const Taken& taken, const std::string& log_path,
+                  const std::string& lidars, const BuildOptions& options, const std::string& folder,
+                  MapRun& run, Ending& ending, core::Progress& progress) {
+  if (!ending.map) return;
+  const auto score = [&] {
+    if (run.stopped) return;
+    stoppable(run, taken, options.keep_partial, [&] {
+      ending.self = results::selfScore(log_path, ending.path, results::toPlan(*ending.map), progress, lidars);
+    });
+  };
+  const auto draw = [&] {
+    mapping::saveMaps(method, folder);
+    results::writeScene(method, ending.path, taken.last_scan, folder + "/map.3Dscene");
+  };
+  core::ThreadTeam(std::clamp(options.threads, 1, 2)).forEach(2, [&](size_t job) {
+    job == 0 ? score() : draw();
+  });
+}
+
 /// Everything of the run in its final form: in the order of stamps, with its journal and its cost.
 void complete(const mapping::MapBuilder& method, const Ending& ending, const Taken& taken,
               const std::optional<ExternalRun>& external, double peak_memory_mb, MapRun& run) {
@@ -292,13 +308,10 @@ void writeFiles(mapping::MapBuilder& method, const MapRun& run, const Ending& en
                 const std::optional<ExternalRun>& external, const Continuation& continuation,
                 const std::string& folder) {
   writePaths(run, folder);
-  if (ending.map) {
-    mapping::saveMaps(method, folder);
-    results::writeScene(method, ending.path, taken.last_scan, folder + "/map.3Dscene");
-    if (continuation.localise_only) keepMap(continuation.folder, folder);
-  } else {
+  if (!ending.map)
     mapping::saveKeyFrames(method, folder);
-  }
+  else if (continuation.localise_only)
+    keepMap(continuation.folder, folder);
   if (external)
     files::writeFileAtomically(folder + "/printed.txt", external->printed);
   else
@@ -345,8 +358,8 @@ void describeResults(const mapping::MapBuilder& method, const Ending& ending, bo
 
 MapRun buildMap(const std::string& log_path, const files::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
-                resources::Manifest manifest, core::Progress& progress, bool measure_memory,
-                const Continuation& continuation, record::StepObserver* observer, bool keep_partial) {
+                resources::Manifest manifest, core::Progress& progress, const BuildOptions& options) {
+  const Continuation& continuation = options.continuation;
   files::PendingFolder output(folder, overwrite);
   files::IniFile builder_config = method_config;
   const auto external = externalRun(method_name, log_path, seed, output.path() + "/work", continuation,
@@ -359,19 +372,22 @@ MapRun buildMap(const std::string& log_path, const files::IniFile& method_config
   run.commands_from = tellCommands(method, log_path);
   Taken taken;
   progress.begin("mapping with " + method_name);
-  stoppable(run, taken, keep_partial,
-            [&] { takeIn(log_path, method, external, run, taken, manifest, progress, observer); });
+  stoppable(run, taken, options.keep_partial,
+            [&] { takeIn(log_path, method, external, run, taken, manifest, progress, options.observer); });
   progress.end();
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
 
-  Finisher finisher(method, run, taken, keep_partial);
+  Finisher finisher(method, run, taken, options.keep_partial);
   finisher.finish();
   run.path_length_m = core::pathLength(run.estimate);
   run.end = run.estimate.back().pose;
   // Before anything else takes memory.
-  const double peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
-  if (observer) observer->onFinished(method);
-  const Ending ending = finisher.results(log_path, external ? "" : method.lidars, progress);
+  const double peak_memory_mb =
+      options.measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
+  if (options.observer) options.observer->onFinished(method);
+  Ending ending = finisher.results();
+  scoreAndDraw(method, taken, log_path, external ? "" : method.lidars, options, output.path(), run, ending,
+               progress);
   complete(method, ending, taken, external, peak_memory_mb, run);
 
   writeFiles(method, run, ending, taken, external, continuation, output.path());

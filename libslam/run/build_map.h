@@ -41,6 +41,15 @@ struct MapRun {
   std::optional<results::Stop> stopped;  ///< before the log's end; all else is of the scans before
 };
 
+/// How it is run, beside what decides the bytes.
+struct BuildOptions {
+  bool measure_memory = true;  ///< only makes sense while nothing else runs in this process
+  Continuation continuation = {};
+  record::StepObserver* observer = nullptr;
+  bool keep_partial = false;  ///< an interrupt keeps what was mapped until then
+  int threads = 1;  ///< 2: when all scans are in, they are held against the map while that is written
+};
+
 /// Runs a SLAM method over a log and writes a folder:
 ///   trajectory.tum   map.yaml + map.png   map.gridmap.gz   map.simplemap   map.3Dscene   timing.csv
 ///   manifest.json
@@ -55,7 +64,7 @@ struct MapRun {
 /// which in a log may run back. The manifest's results also hold what needs the scans to say it: sharpness of
 /// the points and agreement of scans and map (keys `self.*`; self_score.h), placed at the final poses where
 /// there are any. The folder appears whole or not at all. Same log, config and seed: the same bytes but for
-/// timing.csv and the manifest. `measure_memory` only makes sense while nothing else runs in this process.
+/// timing.csv and the manifest, with any number of threads.
 /// Errors: InputError (log, config, a method that cannot go on in a map), MethodError (the method failed at
 /// the first scan, or is an external program that failed). A robot that is lost in the end (lostInTheEnd())
 /// is no error: all is written, and the manifest's results say `lost`.
@@ -66,8 +75,6 @@ struct MapRun {
 /// leaves nothing (core::Interrupted).
 MapRun buildMap(const std::string& log_path, const files::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
-                resources::Manifest manifest, core::Progress& progress, bool measure_memory = true,
-                const Continuation& continuation = {}, record::StepObserver* observer = nullptr,
-                bool keep_partial = false);
+                resources::Manifest manifest, core::Progress& progress, const BuildOptions& options = {});
 
 }  // namespace slam::run

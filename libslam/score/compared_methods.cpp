@@ -76,7 +76,7 @@ void runMethod(ComparedMethod& method, const std::string& log_path, const Compar
   try {
     if (!request.program.empty()) return runInProcess(method, log_path, request, progress);
     const auto run = run::buildMap(log_path, method.config, method.name, request.seed, method.folder, true,
-                                   manifest, progress, false);
+                                   manifest, progress, {false});
     if (run.stopped) throw core::MethodError(keptText(results::stopText(*run.stopped)));
   } catch (const core::MethodError& error) {
     method.failure = error.what();

@@ -95,7 +95,7 @@ TEST_P(StepObserverOfMethods, SeesEveryScanAndChangesNothing) {
   Curious curious;
   run::buildMap(log, config, name, 3, folder / "without", false, {}, core::silentProgress());
   const auto run = run::buildMap(log, config, name, 3, folder / "with", false, {}, core::silentProgress(),
-                                 true, {}, &curious);
+                                 {true, {}, &curious});
   EXPECT_EQ(bytesOf(folder / "with"), bytesOf(folder / "without"));
   EXPECT_EQ(curious.times_s.size(), run.estimate.size());
   EXPECT_EQ(curious.finished, 1);

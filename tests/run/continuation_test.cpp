@@ -53,8 +53,8 @@ class TwoHalves : public ::testing::Test {
                            const Continuation& continuation, const std::string& output = "") {
     const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", method);
     const std::string folder = *folder_ / (output.empty() ? log : output);
-    buildMap(*folder_ / (log + ".rawlog"), config, method, 1, folder, true, {}, core::silentProgress(), false,
-             continuation);
+    buildMap(*folder_ / (log + ".rawlog"), config, method, 1, folder, true, {}, core::silentProgress(),
+             {false, continuation});
     return endOfRun(folder);
   }
   static testing::TempFolder* folder_;

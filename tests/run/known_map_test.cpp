@@ -125,7 +125,7 @@ class InAGrid : public ::testing::Test {
   static MapRun build(const std::string& log, const Continuation& continuation, const std::string& output) {
     return buildMap(*folder_ / (log + ".rawlog"),
                     mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph"), "graph", 1,
-                    *folder_ / output, true, {}, core::silentProgress(), false, continuation);
+                    *folder_ / output, true, {}, core::silentProgress(), {false, continuation});
   }
   static core::Trajectory truthOf(const std::string& log) {
     return logs::readTum(*folder_ / (log + ".gt.tum"));

@@ -44,7 +44,7 @@ Run runOf(const std::string& method, const std::string& log, const std::string& 
   auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", method);
   for (const auto& setting : settings) config.setFromArgument(setting, "test");
   Run run;
-  run.map = buildMap(log, config, method, 1, folder, true, {}, core::silentProgress(), false);
+  run.map = buildMap(log, config, method, 1, folder, true, {}, core::silentProgress(), {false});
   const auto loaded = results::loadRun(folder);
   run.results = loaded.manifest.results;
   run.ate_m = score::evaluate(loaded, score::loadTruth(truth::findTruth(log), "", loaded))

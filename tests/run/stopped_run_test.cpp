@@ -57,7 +57,7 @@ class BrokenOdometry : public ::testing::Test {
                       core::Progress& progress = core::silentProgress(), bool keep_partial = false) {
     const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", method);
     return buildMap(*folder_ / (log + ".rawlog"), config, method, 1, *folder_ / output, true, {}, progress,
-                    false, {}, nullptr, keep_partial);
+                    {false, {}, nullptr, keep_partial});
   }
   static testing::TempFolder* folder_;
 };
@@ -106,7 +106,7 @@ TEST_F(BrokenOdometry, AMapThatCannotBeDrawnLeavesItsPathAndKeyFrames) {
   auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph");
   config.setFromArgument("mapping.max_map_cells=10000", "test");
   const auto run = buildMap(*folder_ / "first.rawlog", config, "graph", 1, *folder_ / "undrawn", true, {},
-                            core::silentProgress(), false);
+                            core::silentProgress(), {false});
   ASSERT_TRUE(run.stopped.has_value());
   EXPECT_THAT(run.stopped->why, HasSubstr("max_map_cells"));
   EXPECT_EQ(logs::readTum(*folder_ / "undrawn/trajectory_final.tum").size(), static_cast<size_t>(kBadScan));

@@ -55,7 +55,7 @@ class TwoVisits : public ::testing::Test {
     const std::string log = *folder_ / (name + ".rawlog");
     record::record(world::loadPlan(resources::resolvePlan(plan)), record::readRecordConfig(ini), seed, log,
                    {}, core::silentProgress());
-    run::buildMap(log, config(), "graph", 1, *folder_ / name, true, {}, core::silentProgress(), false);
+    run::buildMap(log, config(), "graph", 1, *folder_ / name, true, {}, core::silentProgress(), {false});
   }
   static std::string at(const std::string& name) { return *folder_ / name; }
   static MergedMap merge(const std::vector<std::string>& maps, const std::string& output) {
@@ -103,7 +103,7 @@ TEST_F(TwoVisits, AMergedMapIsLocalisedInLikeARunsMap) {
   in.folder = at("both");
   in.localise_only = true;
   const auto result = run::buildMap(at("tuesday.rawlog"), config(), "graph", 1, at("localised"), true, {},
-                                    core::silentProgress(), false, in);
+                                    core::silentProgress(), {false, in});
   const auto path = logs::readTum(at("both/tuesday.tum"));
   EXPECT_LT(core::distance(result.estimate.back().pose, path.back().pose), 0.1);
 }
