@@ -165,6 +165,7 @@ class GraphSlam {
   keyframes::Prediction predict(const core::Pose2& T_previous_robot, bool has_odometry) const;
   double farthestMove() const;
   std::optional<core::Pose2> motionFromScans(const lidar::Scan& scan) const;
+  std::optional<core::Pose2> findMotion(const lidar::Scan& scan) const;
 
   // track.cpp: a scan and the map around
   Step track(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry, Points& points,
@@ -269,14 +270,16 @@ class GraphSlam {
   bool odometry_holds_ = true;    ///< since then
   bool is_known_ground_ = false;  ///< under the scan at hand
   ChangeMarks appeared_, gone_;
-  std::optional<core::Pose2> by_wheels_;     ///< map frame: see followWheels()
-  int unsure_from_ = 0;                      ///< keyframe; meanwhile
-  int explained_ = 0;                        ///< scans in a row
-  double let_go_m_ = 0;                      ///< driven then
-  std::vector<keyframes::Seen> seen_;        ///< one per lidar
-  int before_ = -1;                          ///< of these, the one of the scan at hand; -1: its lidar is new
-  double previous_time_s_ = 0;               ///< of the last scan of any
-  double period_s_ = 0, mean_period_s_ = 0;  ///< from the scan before to the last one
+  std::optional<core::Pose2> by_wheels_;  ///< map frame: see followWheels()
+  int unsure_from_ = 0;                   ///< keyframe; meanwhile
+  int explained_ = 0;                     ///< scans in a row
+  double let_go_m_ = 0;                   ///< driven then
+  std::vector<keyframes::Seen> seen_;     ///< one per lidar
+  int before_ = -1;                       ///< of these, the one of the scan at hand; -1: its lidar is new
+  mutable bool has_motion_ = false;       ///< of the scan at hand: findMotion() was asked
+  mutable std::optional<core::Pose2> motion_;  ///< and gave this
+  double previous_time_s_ = 0;                 ///< of the last scan of any
+  double period_s_ = 0, mean_period_s_ = 0;    ///< from the scan before to the last one
   LostDetector lost_;
   keyframes::Doubt doubt_;
   int held_back_ = 0;                              ///< scans in a row that were not believed

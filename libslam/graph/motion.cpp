@@ -34,6 +34,7 @@ Pose2 goneOn(const Pose2& T, double times) {
 /// What is there to go by: the time since the scan before, and the last scan of the same lidar. Whether there
 /// is odometry, which is none where it leaps or says nothing.
 bool GraphSlam::noteScan(const lidar::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
+  has_motion_ = false;
   if (seen_.empty()) return has_odometry;
   const auto same = std::find_if(seen_.begin(), seen_.end(), [&](const keyframes::Seen& seen) {
     return lidar::areOfOneLidar(seen.scan, scan);
@@ -97,8 +98,14 @@ keyframes::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has
 }
 
 /// The robot's motion since the scan before, from this scan and the last one of its lidar alone; nothing
-/// where they leave it open.
+/// where they leave it open. Dear, and asked more than once.
 std::optional<Pose2> GraphSlam::motionFromScans(const lidar::Scan& scan) const {
+  if (!has_motion_) motion_ = findMotion(scan);
+  has_motion_ = true;
+  return motion_;
+}
+
+std::optional<Pose2> GraphSlam::findMotion(const lidar::Scan& scan) const {
   if (before() == nullptr) return std::nullopt;
   odometry::ScanOdometryOptions options;
   options.max_turn_rad = std::clamp(kFastest_radps * period_s_, options.max_turn_rad, core::kPi);

@@ -81,7 +81,7 @@ std::optional<MatchResult> GraphSlam::recover(const std::vector<PatchPoint>& poi
       for (int y = -kLatticeSteps; y <= kLatticeSteps; ++y) {
         const Pose2 candidate{predicted.x + kLatticeStep_m * x, predicted.y + kLatticeStep_m * y,
                               predicted.phi + kLatticeTurn_rad * turn};
-        const double score = surfelScore(points, maps_.middle, candidate, keyframes::kKernel, 2);
+        const double score = surfelScore(points, maps_.middle, candidate, keyframes::kKernel, 2, best_score);
         if (score > best_score) best_score = score, best = candidate;
       }
   if (!(best_score > before)) return std::nullopt;

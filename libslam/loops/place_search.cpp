@@ -115,9 +115,15 @@ bool PlaceSearch::nextPlace(double& work) {
   if (next_ == candidates_.size() || ++places_ > kMostPlaces) return false;
   old_ = candidates_[next_++];
   const core::Point2 centre = core::position(map_->pose(old_));
-  for (const int tried : map_->keyframesAround(old_, centre, options_->map_path_m, 1e9))
-    is_tried_[static_cast<size_t>(tried)] = 1;
-  around_ = map_->keyframesAround(old_, centre, keyframes::kPlacePath_m, keyframes::kPlaceRadius_m);
+  const auto around = [&](double path_m, double radius_m) {
+    auto keyframes = map_->keyframesAround(old_, centre, path_m, radius_m);
+    // Those that came since the search began are not looked at: the newest are local.
+    const auto isNew = [&](int k) { return static_cast<size_t>(k) >= is_tried_.size(); };
+    keyframes.erase(std::remove_if(keyframes.begin(), keyframes.end(), isNew), keyframes.end());
+    return keyframes;
+  };
+  for (const int tried : around(options_->map_path_m, 1e9)) is_tried_[static_cast<size_t>(tried)] = 1;
+  around_ = around(keyframes::kPlacePath_m, keyframes::kPlaceRadius_m);
   around_.erase(std::remove_if(around_.begin(), around_.end(),
                                [&](int a) { return search_.is_local[static_cast<size_t>(a)] != 0; }),
                 around_.end());

@@ -11,7 +11,8 @@ namespace slam::loops {
 
 /// Looks for places where what the keyframes around one of them see was seen before: the best one around one
 /// of the nearest old keyframes that drift could have carried apart, and after it the best elsewhere in its
-/// window that explain nearly as much. A piece at a time. For the rooms of graph SLAM only.
+/// window that explain nearly as much. A piece at a time; keyframes that come meanwhile are not looked at.
+/// For the rooms of graph SLAM only.
 class PlaceSearch {
  public:
   /// The map has to stay where it is; while a search is under way, so have its poses.

@@ -171,14 +171,21 @@ Eigen::Matrix3d MatchEvidence::information() const {
 }
 
 double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,
-                   const core::Pose2& T_map_robot, double kernel, int stride) {
+                   const core::Pose2& T_map_robot, double kernel, int stride, double least) {
+  constexpr size_t kAtOnce = 8;
+  constexpr double kRounding = 1e-9;
   const auto [s, c] = core::sinCos(T_map_robot.phi);
   const double tx = T_map_robot.x - map.origin().x, ty = T_map_robot.y - map.origin().y;
   const double inverse_kernel2 = 1 / (kernel * kernel);
   double sum = 0;
+  const size_t step = static_cast<size_t>(stride), all = (points.size() + step - 1) / step;
   size_t count = 0;
   int outside = 0;
-  for (size_t i = 0; i < points.size(); i += static_cast<size_t>(stride)) {
+  for (size_t i = 0; i < points.size(); i += step) {
+    if (count % kAtOnce == 0) {
+      const double most = (sum + static_cast<double>(all - count)) / countedPoints(all, outside);
+      if (most < least - kRounding) return 0;
+    }
     ++count;
     const auto& p = points[i];
     const double x = tx + c * p.x - s * p.y, y = ty + s * p.x + c * p.y;

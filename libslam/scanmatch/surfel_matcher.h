@@ -52,8 +52,9 @@ MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap&
                          const core::Pose2& T_map_robot, double kernel);
 
 /// The score at a pose, without any alignment; over every `stride`-th point. Points outside of the map's
-/// window are not held against the pose, as long as a quarter of all lies inside.
+/// window are not held against the pose, as long as a quarter of all lies inside. A score that cannot be
+/// above `least` is given up half-way: 0.
 double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,
-                   const core::Pose2& T_map_robot, double kernel, int stride);
+                   const core::Pose2& T_map_robot, double kernel, int stride, double least = -1);
 
 }  // namespace slam::scanmatch

@@ -68,6 +68,20 @@ TEST(PlaceSearch, InPiecesItFindsTheSame) {
   }
 }
 
+TEST(PlaceSearch, DoesNotLookAtKeyframesThatComeMeanwhile) {
+  Return at_once, robot;
+  const auto expected = at_once.found();
+  robot.search.begin(robot.k, robot.k, robot.k);
+  // Where odometry has the robot, so that they would explain all that it sees there; linked with the old
+  // ones.
+  for (int i = 0; i < 40; ++i)
+    addKeyframe(robot.map, {2.9, 1.1, 0.5}, Return::at(robot.truth), 100.1 + 0.1 * i, 3);
+  robot.search.advance(std::numeric_limits<double>::infinity(), [](const Pose2&) { return false; });
+  const auto places = robot.search.take();
+  ASSERT_EQ(places.size(), expected.size());
+  for (size_t i = 0; i < places.size(); ++i) EXPECT_EQ(places[i].T_map_robot.x, expected[i].T_map_robot.x);
+}
+
 TEST(PlaceSearch, LooksAtNoPlaceThatNothingMayBeMatchedTo) {
   Return robot;
   // The nearest ones are those that nothing is left of; without them there is a place all the same.
