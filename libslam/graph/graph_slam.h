@@ -45,10 +45,10 @@ namespace slam::graph {
 /// provided that their beams agree with its points; and a weak one from odometry. Those of an earlier pass
 /// through the place are matched by themselves: an edge says what was measured between its ends.
 /// Loops: the last metres of the path are searched for, by branch and bound, around every place that drift
-/// could have carried apart; what is found is followed for some keyframes, each of which must fit the old map
-/// by itself, and accepted together, unless the way between rules it out or another place is nearly as good.
-/// All poses are then found anew, a piece with every scan (`loop_work`); until they are, the robot is tracked
-/// in the map as it was.
+/// could have carried apart, a piece with every scan (`loop_work`); what is found is followed for some
+/// keyframes, each of which must fit the old map by itself, and accepted together, unless the way between
+/// rules it out or another place is nearly as good. All poses are then found anew, a piece with every scan,
+/// too; until they are, the robot is tracked in the map as it was.
 ///
 /// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry,
 /// or it is contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one

@@ -73,8 +73,8 @@ Rows loopRows() {
        "a loop is wrong that lies farther, squared, from where the path between has it, in that path's "
        "standard deviations"},
       {"loop_work", &O::loop_work, 20.0, 1e-3, 1e9,
-       "what a scan waits for at most while all poses are found anew: million multiplications, 5 a "
-       "millisecond"},
+       "what a scan waits for at most while a place is searched for or all poses are found anew: million "
+       "multiplications, 5 a millisecond"},
       {"refine_rounds", &O::refine_rounds, 0, 0, 100,
        "at the end all keyframes are matched to one another again so many times"}};
 }

@@ -10,8 +10,9 @@
 
 namespace slam::loops {
 
-/// Closes loops of a KeyframeMap: looks for places that were seen before, follows them until they are
-/// confirmed or not, and finds all poses anew, a piece with every scan. For the rooms of graph SLAM only.
+/// Closes loops of a KeyframeMap: looks for places that were seen before (PlaceSearch), follows them until
+/// they are confirmed or not, and finds all poses anew, a piece with every scan. For the rooms of graph SLAM
+/// only.
 class LoopCloser {
  public:
   /// The map has to stay where it is.

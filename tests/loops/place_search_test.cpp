@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "libslam/loops/loop_closer.h"
 #include "tests/keyframes/drawn_map.h"
 #include "tests/scanmatch/drawn_rooms.h"
 
@@ -16,11 +17,11 @@ using keyframes::test_maps::addKeyframe;
 /// A room of which some keyframes were made; a hundred metres later the robot is there again, and odometry
 /// has it elsewhere. No chain of links leads from there to the old ones.
 struct Return {
-  keyframes::KeyframeMap map{keyframes::GraphOptions{}};
+  keyframes::KeyframeMap map;
   PlaceSearch search{map};
   Pose2 truth{2.2, 1.6, 0.4};
   int k;
-  Return() {
+  explicit Return(const keyframes::GraphOptions& options = {}) : map(options) {
     for (int i = 0; i < 4; ++i)
       addKeyframe(map, {1 + 0.4 * i, 1.2, 0.1 * i}, at({1 + 0.4 * i, 1.2, 0.1 * i}), 0.4 * i, i - 1);
     map.drive(100);
@@ -116,6 +117,37 @@ TEST(PlaceSearch, WhatIsKnownNeedsNoMatch) {
   EXPECT_GT(asked, 0);
   for (const auto& place : robot.search.take())
     EXPECT_GT(core::distance(place.T_map_robot, robot.truth), 0.3);
+}
+
+/// Driven on by so much, as odometry says, too.
+void driveOn(Return& robot, const Pose2& step) {
+  robot.truth = robot.truth * step;
+  robot.map.drive(core::hypot(step.x, step.y));
+  addKeyframe(robot.map, robot.map.pose(robot.map.lastKeyframe()) * step, Return::at(robot.truth),
+              robot.map.path_m(), robot.map.lastKeyframe());
+}
+
+TEST(PlaceSearch, WhatItFindsIsFollowedThroughTheKeyframesThatCameMeanwhile) {
+  keyframes::GraphOptions options;
+  options.loop_confirmations = 3, options.loop_confirm_m = 0, options.loop_distinctness = 0;
+  options.loop_innovation = 1e9, options.loop_every_m = 0.1;
+  Return robot(options);
+  posegraph::Edge way;
+  way.from = 3, way.to = robot.k, way.T_from_to = core::between(robot.map.pose(3), robot.map.pose(robot.k));
+  robot.map.keyframes().back().odometry_edge = robot.map.graph().addEdge(way);
+  LoopCloser loops(robot.map);
+  EXPECT_FALSE(loops.closeLoops());
+  driveOn(robot, {0.3, 0, 0.1});
+  EXPECT_FALSE(loops.closeLoops()) << "one search at a time";
+  loops.completeSearching();
+  EXPECT_TRUE(loops.isFollowing());
+  driveOn(robot, {0.3, 0, 0.1});
+  const auto accepted = loops.closeLoops();
+  ASSERT_TRUE(accepted) << "the third keyframe that fits";
+  EXPECT_EQ(accepted->keyframe, robot.map.lastKeyframe());
+  int searches = 0;
+  for (const auto& entry : robot.map.journal()) searches += entry.event == core::JournalEvent::kSearched;
+  EXPECT_EQ(searches, 1);
 }
 
 }  // namespace

@@ -323,6 +323,28 @@ TEST(SurfelMatcher, LetsGoOfOdometryThatContradictsTheScanOnlyWithAKernel) {
   EXPECT_NEAR(free.T_map_robot.phi, 0, 0.004);
 }
 
+TEST(SurfelMatcher, GivesUpOnlyScoresThatAreNotWanted) {
+  const auto walls = rectangle(-4, -3, 5, 3);
+  const auto map = mapOf(walls, aFewPosesAround(0));
+  core::RandomStream chance(5, "scores");
+  const auto points = patchPoints(look(walls, {}, {}, chance), {});
+  int given_up = 0;
+  for (int i = 0; i < 300; ++i) {
+    // Some poses lie so far off that much falls outside of the map.
+    const core::Pose2 T{chance.uniform(-1, 1) + (i % 10 == 0 ? 28 : 0), chance.uniform(-1, 1),
+                        chance.uniform(-1, 1)};
+    const double score = surfelScore(points, map, T, 3, 2), least = chance.uniform(0, 1);
+    const double other = surfelScore(points, map, T, 3, 2, least);
+    if (score > least) {
+      EXPECT_EQ(other, score);
+    } else {
+      EXPECT_LE(other, least);
+      given_up += other != score;
+    }
+  }
+  EXPECT_GT(given_up, 50);
+}
+
 TEST(SurfelMatcher, ScoresNothingWhereThereIsNoMap) {
   SurfelMap map(0.1, 0.03);
   map.clear({}, 10);
