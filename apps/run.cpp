@@ -63,6 +63,15 @@ class NotFoundYet : public record::StepObserver {
   bool has_looked_ = false;
 };
 
+run::BuildOptions buildOptions(const Arguments& arguments, record::StepObserver& of_localising) {
+  run::BuildOptions options;
+  options.continuation = continuationOf(arguments);
+  if (!arguments.localised.empty()) options.observer = &of_localising;
+  options.keep_partial = arguments.keep_partial;
+  options.threads = arguments.threads;
+  return options;
+}
+
 nlohmann::ordered_json journalJson(const std::vector<core::JournalLine>& journal) {
   auto list = nlohmann::ordered_json::array();
   for (const auto& line : journal) {
@@ -123,13 +132,8 @@ int runMethod(const Context& context, const Arguments& arguments) {
   const std::string folder = context.output.empty() ? name : context.output;
   ConsoleProgress progress(context.quiet);
   NotFoundYet not_found(context, arguments.localised);
-  run::BuildOptions options;
-  options.continuation = continuationOf(arguments);
-  if (!arguments.localised.empty()) options.observer = &not_found;
-  options.keep_partial = arguments.keep_partial;
-  options.threads = arguments.threads;
   const auto result = run::buildMap(arguments.log, config, name, context.seed, folder, context.overwrite,
-                                    context.manifest(), progress, options);
+                                    context.manifest(), progress, buildOptions(arguments, not_found));
   const auto lost = results::lostInTheEnd(result.journal);
   const auto exit_code = static_cast<int>(exitCodeOf(result, lost.has_value()));
   if (result.stopped)

@@ -150,8 +150,7 @@ void PlaceSearch::searchOn(double least_score) {
   pieces_.emplace(pyramid_, search_.points, map_->pose(search_.keyframe), window_, least_score);
 }
 
-bool PlaceSearch::advance(double work, const std::function<bool(const Pose2&)>& isKnown) {
-  is_known_ = &isKnown;
+bool PlaceSearch::advance(double work, const Known& isKnown) {
   for (bool has_worked = false; stage_ != Stage::kNone; has_worked = true) {
     if (stage_ == Stage::kPlace) {
       // To draw a place cannot be divided.
@@ -166,11 +165,11 @@ bool PlaceSearch::advance(double work, const std::function<bool(const Pose2&)>& 
       if (!pieces_->advance(work)) return false;
       const auto result = pieces_->best();
       if (stage_ == Stage::kBest) {
-        stage_ = noteBest(result, work);
+        stage_ = noteBest(result, isKnown, work);
       } else if (stage_ == Stage::kRival) {
-        stage_ = noteRival(result, work);
+        stage_ = noteRival(result, isKnown, work);
       } else {
-        if (result) add(result->T_map_robot, 0, work);
+        if (result) add(result->T_map_robot, 0, isKnown, work);
         stage_ = Stage::kPlace;
       }
     }
@@ -179,19 +178,21 @@ bool PlaceSearch::advance(double work, const std::function<bool(const Pose2&)>& 
   return true;
 }
 
-PlaceSearch::Stage PlaceSearch::noteBest(const std::optional<scanmatch::SearchResult>& best, double& work) {
+PlaceSearch::Stage PlaceSearch::noteBest(const std::optional<scanmatch::SearchResult>& best,
+                                         const Known& isKnown, double& work) {
   if (!best) return Stage::kPlace;
   map_->note(core::JournalEvent::kSearched, best->score, old_);
   best_ = *best;
-  if (!add(best_.T_map_robot, options_->loop_score, work)) return Stage::kPlace;
+  if (!add(best_.T_map_robot, options_->loop_score, isKnown, work)) return Stage::kPlace;
   window_.apart_m = kRivalApart_m, window_.not_at = core::position(best_.T_map_robot);
   searchOn(kRivalShare * best_.score);
   return Stage::kRival;
 }
 
-PlaceSearch::Stage PlaceSearch::noteRival(const std::optional<scanmatch::SearchResult>& rival, double& work) {
+PlaceSearch::Stage PlaceSearch::noteRival(const std::optional<scanmatch::SearchResult>& rival,
+                                          const Known& isKnown, double& work) {
   if (!rival) return Stage::kPlace;
-  add(rival->T_map_robot, 0, work);
+  add(rival->T_map_robot, 0, isKnown, work);
   // One that the way there makes likelier may be at the edge of the map, where less is explained.
   const Pose2& here = map_->pose(search_.keyframe);
   window_.half_xy_m = std::min(core::distance(best_.T_map_robot, here) - kRivalApart_m, kLikelyReach_m);
@@ -202,8 +203,8 @@ PlaceSearch::Stage PlaceSearch::noteRival(const std::optional<scanmatch::SearchR
 }
 
 /// Whether what was found is a place: known already, or confirmed by a match.
-bool PlaceSearch::add(const Pose2& T_found, double least_score, double& work) {
-  if ((*is_known_)(T_found)) return true;
+bool PlaceSearch::add(const Pose2& T_found, double least_score, const Known& isKnown, double& work) {
+  if (isKnown(T_found)) return true;
   work -= kWorkPerMatch;
   for (const int k : around_) work -= kWorkPerMatched * static_cast<double>(map_->keyframe(k).points.size());
   const auto place = matchAt(T_found, least_score);

@@ -21,11 +21,12 @@ class PlaceSearch {
   /// For the scans of the keyframes [first, last] around `keyframe`.
   void begin(int keyframe, int first, int last);
   bool isUnderWay() const { return stage_ != Stage::kNone; }
-  void giveUp() { stage_ = Stage::kNone; }
+  void giveUp() { stage_ = Stage::kNone, found_.clear(); }
   int keyframe() const { return search_.keyframe; }
-  /// One piece, of so much work (multiplications) and what cannot be divided. `isKnown`: such a place of the
-  /// keyframe needs no match. True when the search is done.
-  bool advance(double work, const std::function<bool(const core::Pose2& T_map_robot)>& isKnown);
+  /// Whether the keyframe is known to be there already, so that the place needs no match.
+  using Known = std::function<bool(const core::Pose2& T_map_robot)>;
+  /// One piece, of so much work (multiplications) and what cannot be divided. True when the search is done.
+  bool advance(double work, const Known& isKnown);
   /// What was found. REQUIRES that the search is done.
   std::vector<keyframes::Hypothesis> take() { return std::move(found_); }
   /// The widest window of the last search; 0: there was no place to look at.
@@ -38,15 +39,14 @@ class PlaceSearch {
   double reachOf(int old) const;
   void listCandidates();
   bool nextPlace(double& work);
-  Stage noteBest(const std::optional<scanmatch::SearchResult>& best, double& work);
-  Stage noteRival(const std::optional<scanmatch::SearchResult>& rival, double& work);
+  Stage noteBest(const std::optional<scanmatch::SearchResult>& best, const Known& isKnown, double& work);
+  Stage noteRival(const std::optional<scanmatch::SearchResult>& rival, const Known& isKnown, double& work);
   void searchOn(double least_score);
-  bool add(const core::Pose2& T_found, double least_score, double& work);
+  bool add(const core::Pose2& T_found, double least_score, const Known& isKnown, double& work);
   std::optional<keyframes::Hypothesis> matchAt(const core::Pose2& T_found, double least_score);
 
   keyframes::KeyframeMap* map_;
   const keyframes::GraphOptions* options_;
-  const std::function<bool(const core::Pose2&)>* is_known_ = nullptr;  ///< of the piece at hand
   Stage stage_ = Stage::kNone;
   keyframes::LoopSearch search_;
   std::vector<int> candidates_;  ///< old keyframes, the nearest first

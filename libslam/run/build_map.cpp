@@ -1,11 +1,8 @@
 #include "libslam/run/build_map.h"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <sstream>
@@ -19,7 +16,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/map_score.h"
 #include "libslam/process/cpu_time.h"
-#include "libslam/process/process_memory.h"
+#include "libslam/process/memory_meter.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/results/manifest_entries.h"
 #include "libslam/results/map_plan.h"
@@ -31,27 +28,6 @@
 
 namespace slam::run {
 namespace {
-
-/// Peak memory of this process from construction on, over its size then. Linux lets a process forget its own
-/// peak. Pages of files that have come meanwhile (mostly code that ran for the first time) are not counted:
-/// how many those are depends on what the process did before.
-class MemoryMeter {
- public:
-  MemoryMeter() {
-    // What was freed before would be taken without being counted.
-    malloc_trim(0);
-    std::ofstream("/proc/self/clear_refs") << "5";
-    before_mb_ = process::processMemoryMb("VmRSS");
-    files_before_mb_ = process::processMemoryMb("RssFile");
-  }
-  double peakMb() const {
-    return std::max(0.0, process::processMemoryMb("VmHWM") - before_mb_ -
-                             (process::processMemoryMb("RssFile") - files_before_mb_));
-  }
-
- private:
-  double before_mb_, files_before_mb_;
-};
 
 results::Cost summarize(std::vector<double> milliseconds, double finish_s, double log_seconds) {
   results::Cost cost;
@@ -364,7 +340,7 @@ MapRun buildMap(const std::string& log_path, const files::IniFile& method_config
   files::IniFile builder_config = method_config;
   const auto external = externalRun(method_name, log_path, seed, output.path() + "/work", continuation,
                                     builder_config, progress);
-  const MemoryMeter memory;
+  const process::MemoryMeter memory;
   auto method = mapping::makeMapBuilder(builder_config, method_name, seed);
   // The earlier run's map, before anything is measured.
   if (!continuation.folder.empty()) beginInMap(method, continuation, log_path, output.path(), manifest);

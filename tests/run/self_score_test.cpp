@@ -13,6 +13,7 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/score/evaluate.h"
@@ -85,6 +86,28 @@ TEST_F(SelfScoring, StandsInEveryRunAndInItsTable) {
               table.columns[i].key != "agreement_m")  // nobody to agree with
         << table.columns[i].key;
   EXPECT_GT(score::agreementTable({evaluation}, score::Detail::kFull).columns.size(), table.columns.size());
+}
+
+TEST_F(SelfScoring, WhileTheMapIsWrittenGivesTheSameBytes) {
+  const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph");
+  BuildOptions options;
+  for (const int threads : {1, 2}) {
+    options.threads = threads;
+    buildMap(log_, config, "graph", 1, folder_ / std::to_string(threads), false, {}, core::silentProgress(),
+             options);
+  }
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "1")) {
+    const std::string name = entry.path().filename().string();
+    if (name == "timing.csv" || name == "manifest.json") continue;
+    EXPECT_EQ(resources::fileSha256(folder_ / ("2/" + name)), resources::fileSha256(entry.path().string()))
+        << name;
+    ++files;
+  }
+  EXPECT_GT(files, 8);
+  const auto one = results::loadRun(folder_ / "1").manifest.results,
+             two = results::loadRun(folder_ / "2").manifest.results;
+  EXPECT_EQ(two.at("self.on_wall_share"), one.at("self.on_wall_share"));
 }
 
 // A run of another version, or an exploration, has no such figures: the table says so and the rest stands.

@@ -1,0 +1,25 @@
+#include "libslam/process/memory_meter.h"
+
+#include <malloc.h>
+
+#include <fstream>
+
+#include "libslam/process/process_memory.h"
+
+namespace slam::process {
+
+MemoryMeter::MemoryMeter() {
+  // What was freed before would be taken without being counted.
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5";
+  before_mb_ = processMemoryMb("VmRSS");
+  files_before_mb_ = processMemoryMb("RssFile");
+}
+
+double MemoryMeter::peakMb() const {
+  const double more_mb =
+      processMemoryMb("VmHWM") - before_mb_ - (processMemoryMb("RssFile") - files_before_mb_);
+  return more_mb < 0 ? 0 : more_mb;
+}
+
+}  // namespace slam::process

@@ -1,0 +1,18 @@
+#pragma once
+
+namespace slam::process {
+
+/// Peak memory of this process from construction on, over its size then. Linux lets a process forget its own
+/// peak. Pages of files that have come meanwhile (mostly code that ran for the first time) are not counted:
+/// how many those are depends on what the process did before.
+class MemoryMeter {
+ public:
+  MemoryMeter();
+  /// NaN where the system does not say.
+  double peakMb() const;
+
+ private:
+  double before_mb_, files_before_mb_;
+};
+
+}  // namespace slam::process
