@@ -51,7 +51,7 @@ double heldAgainst(const Pose2& T, const Pose2& T_odometry, double sigma_xy_m, d
 /// Makes the map that the next scan is matched to of the first of these.
 void GraphSlam::setMap(const std::vector<int>& near, const Point2& centre) {
   map_keyframes_ = keyframes::firstOf(near, options_.map_keyframes);
-  map_->refill(maps_, map_keyframes_, centre);
+  map_->fill(maps_, map_keyframes_, centre);
 }
 
 /// Of the keyframes around the robot that are linked with the one that it hangs on.

@@ -1,7 +1,6 @@
 #include "libslam/keyframes/keyframe_map.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "libslam/keyframes/matching.h"
@@ -14,14 +13,6 @@ using core::Pose2;
 using scanmatch::MatchResult;
 using scanmatch::PatchPoint;
 using scanmatch::PosePrior;
-
-namespace {
-
-/// Within this distance the map around the robot goes on as it is; and while no more of its keyframes are
-/// gone than this share.
-constexpr double kSamePlace_m = 2, kMostGone = 0.25;
-
-}  // namespace
 
 LevelMaps::LevelMaps(const GraphOptions& o, bool two_sided)
     : fine(o.cell_m, o.blur_m, two_sided),
@@ -79,33 +70,10 @@ const LevelMaps& KeyframeMap::mapOf(const std::vector<int>& keyframes, const Poi
 }
 
 void KeyframeMap::fill(LevelMaps& maps, const std::vector<int>& keyframes, const Point2& centre) const {
-  for (auto* map : {&maps.fine, &maps.middle, &maps.coarse}) map->clear(centre, kMapReach_m);
-  maps.keyframes.clear();
-  maps.centre = centre, maps.revision = revision_;
-  add(maps, keyframes);
-}
-
-void KeyframeMap::refill(LevelMaps& maps, const std::vector<int>& keyframes, const Point2& centre) const {
-  std::vector<int> sorted = keyframes, added, gone;
-  std::sort(sorted.begin(), sorted.end());
-  std::set_difference(sorted.begin(), sorted.end(), maps.keyframes.begin(), maps.keyframes.end(),
-                      std::back_inserter(added));
-  std::set_difference(maps.keyframes.begin(), maps.keyframes.end(), sorted.begin(), sorted.end(),
-                      std::back_inserter(gone));
-  const bool is_same_place =
-      maps.revision == revision_ && core::distance(maps.centre, centre) < kSamePlace_m &&
-      static_cast<double>(gone.size()) <= kMostGone * static_cast<double>(sorted.size());
-  if (is_same_place)
-    add(maps, added);
-  else
-    fill(maps, keyframes, centre);
-}
-
-void KeyframeMap::add(LevelMaps& maps, const std::vector<int>& keyframes) const {
-  for (auto* map : {&maps.fine, &maps.middle, &maps.coarse})
+  for (auto* map : {&maps.fine, &maps.middle, &maps.coarse}) {
+    map->clear(centre, kMapReach_m);
     for (const int k : keyframes) map->add(keyframe(k).points, graph_.pose(k), k);
-  maps.keyframes.insert(maps.keyframes.end(), keyframes.begin(), keyframes.end());
-  std::sort(maps.keyframes.begin(), maps.keyframes.end());
+  }
 }
 
 std::vector<int> KeyframeMap::keyframesAround(int start, const Point2& centre, double path_m,

@@ -81,9 +81,6 @@ class KeyframeMap {
   std::vector<core::Point2> placeAround(const std::vector<int>& keyframes) const;
 
   void fill(LevelMaps& maps, const std::vector<int>& keyframes, const core::Point2& centre) const;
-  /// The same for a robot that drives on: as long as the centre is near the one before and most keyframes
-  /// stay, new ones are added, and those that are gone remain.
-  void refill(LevelMaps& maps, const std::vector<int>& keyframes, const core::Point2& centre) const;
   /// A map of these keyframes, until the next one is asked for.
   const LevelMaps& mapOf(const std::vector<int>& keyframes, const core::Point2& centre) const;
   /// To the map of these keyframes, from a pose near the right one, without regard to any prior.
@@ -129,8 +126,6 @@ class KeyframeMap {
   std::vector<Eigen::Matrix3d> keyframeCovariances() const;
 
  private:
-  void add(LevelMaps& maps, const std::vector<int>& keyframes) const;
-
   GraphOptions options_;
   posegraph::PoseGraph graph_;
   std::vector<Keyframe> keyframes_;

@@ -42,9 +42,6 @@ struct Record {
 /// faces of thin walls apart; for a robot that is tracked, not for one whose place is looked for.
 struct LevelMaps {
   scanmatch::SurfelMap fine, middle, coarse;
-  std::vector<int> keyframes;  ///< whose points they hold
-  core::Point2 centre;
-  int revision = -1;  ///< of the keyframes' poses
   LevelMaps(const GraphOptions& options, bool two_sided);
 };
 /// A step as odometry has it, or else the motion before, and standard deviations.

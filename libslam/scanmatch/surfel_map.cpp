@@ -53,7 +53,6 @@ void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_
     // The rim stays empty so that neighbours need no check.
     if (column < 2 || row < 2 || column >= side_ - 2 || row >= side_ - 2) continue;
     const std::int64_t cell = row * side_ + column;
-    if (!asked_cells_.empty()) forgetSurfelsAround(cell);
     std::int32_t& index = sums_of_[static_cast<size_t>(cell)];
     if (index < 0) {
       index = static_cast<std::int32_t>(sums_.size());
@@ -68,12 +67,6 @@ void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_
     sums.n += 1, sums.x += dx, sums.y += dy;
     sums.xx += dx * dx + ax * ax, sums.xy += dx * dy + ax * ay, sums.yy += dy * dy + ay * ay;
   }
-}
-
-/// Those that pool the cell are made anew when they are asked for.
-void SurfelMap::forgetSurfelsAround(std::int64_t cell) {
-  for (const std::int64_t row : {cell - side_, cell, cell + side_})
-    for (const std::int64_t one : {row - 1, row, row + 1}) surfel_of_[static_cast<size_t>(one)] = kUnknown;
 }
 
 /// The sums of a cell for a point whose surface lies along (ax, ay), with the lidar on the left.

@@ -31,8 +31,7 @@ class SurfelMap {
 
   /// Empty, covering [centre - reach, centre + reach] in both directions; points outside are left out.
   void clear(const core::Point2& centre, double reach_m);
-  /// Points of a scan, robot frame. `view` names the scan for firstViewOf(). Surfels that were given before
-  /// and that it changes stay as they were until they are asked for again.
+  /// Points of a scan, robot frame. `view` names the scan for firstViewOf().
   void add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot, int view = 0);
 
   core::Point2 origin() const { return origin_; }
@@ -77,7 +76,6 @@ class SurfelMap {
   };
   static constexpr std::int32_t kUnknown = -1, kNone = -2;
   std::int32_t makeSurfel(std::int64_t cell) const;
-  void forgetSurfelsAround(std::int64_t cell);
   static bool areTwoFaces(const Sums& front, const Sums& back);
   Sums& faceOf(std::int32_t index, double ax, double ay);
   void pushSurfel(const Sums& pooled, std::int64_t column, std::int64_t row) const;

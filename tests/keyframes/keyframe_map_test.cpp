@@ -233,40 +233,5 @@ TEST(KeyframeMap, AMapIsFilledAnewForEveryQuestion) {
   EXPECT_DOUBLE_EQ(score({}), 0);
 }
 
-TEST(KeyframeMap, AMapOfARobotThatDrivesOnKeepsWhatIsNearAndForgetsWhatIsElsewhere) {
-  KeyframeMap map{GraphOptions{}};
-  addRow(map, 12);
-  LevelMaps maps(map.options(), true);
-  const auto refilled = [&](const Numbers& keyframes, const core::Point2& centre) {
-    map.refill(maps, keyframes, centre);
-    return maps.keyframes;
-  };
-  EXPECT_EQ(refilled({3, 2, 1, 0}, {1, 0}), (Numbers{0, 1, 2, 3}));
-  EXPECT_EQ(refilled({4, 3, 2, 1}, {1.5, 0}), (Numbers{0, 1, 2, 3, 4})) << "one is gone, and remains";
-  EXPECT_EQ(maps.centre.x, 1) << "the map goes on";
-  EXPECT_EQ(refilled({5, 4, 3, 2}, {1.5, 0}), (Numbers{2, 3, 4, 5})) << "too many are gone";
-  EXPECT_EQ(refilled({5, 4, 3, 2}, {3.6, 0}), (Numbers{2, 3, 4, 5}));
-  EXPECT_EQ(maps.centre.x, 3.6) << "too far from where it was made";
-  EXPECT_EQ(refilled({5, 4, 3, 2, 9}, {3.6, 0}), (Numbers{2, 3, 4, 5, 9}));
-  map.countRevision();
-  EXPECT_EQ(refilled({5, 4, 3, 2}, {3.6, 0}), (Numbers{2, 3, 4, 5})) << "the keyframes have moved";
-  EXPECT_EQ(refilled({7}, {3.6, 0}), (Numbers{7}));
-}
-
-TEST(KeyframeMap, WhatIsAddedToAMapIsThereAsIfItHadBeenFilledAtOnce) {
-  const InRoom in;
-  const Pose2 here{3, 2.2, -0.4};
-  const auto points = pointsOf(in.at(here), in.map.options());
-  LevelMaps at_once(in.map.options(), true), later(in.map.options(), true);
-  in.map.fill(at_once, {0, 1}, {2, 2});
-  in.map.refill(later, {0}, {2, 2});
-  EXPECT_LT(surfelScore(points, later.fine, here, 3, 1), surfelScore(points, at_once.fine, here, 3, 1));
-  in.map.refill(later, {0, 1}, {2, 2});
-  EXPECT_DOUBLE_EQ(surfelScore(points, later.fine, here, 3, 1),
-                   surfelScore(points, at_once.fine, here, 3, 1));
-  EXPECT_DOUBLE_EQ(surfelScore(points, later.coarse, here, 3, 1),
-                   surfelScore(points, at_once.coarse, here, 3, 1));
-}
-
 }  // namespace
 }  // namespace slam::keyframes

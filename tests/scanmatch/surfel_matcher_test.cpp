@@ -46,32 +46,6 @@ TEST(SurfelMap, IsEmptyFarFromSurfacesOutsideAndAfterClear) {
   EXPECT_EQ(map.at(1.5 - map.origin().x, 3 - map.origin().y), nullptr);
 }
 
-TEST(SurfelMap, GoesOnWithPointsThatComeLater) {
-  const auto walls = rectangle(-4, -3, 5, 3);
-  const auto poses = aFewPosesAround(0);
-  const auto askEverywhere = [](const SurfelMap& map) {
-    std::vector<float> said;
-    for (double x = -5; x < 6; x += 0.1)
-      for (double y = -4; y < 4; y += 0.1) {
-        const Surfel* surfel = map.at(x - map.origin().x, y - map.origin().y);
-        if (!surfel) continue;
-        for (const float value : {surfel->x, surfel->y, surfel->xx, surfel->xy, surfel->yy})
-          said.push_back(value);
-      }
-    return said;
-  };
-  core::RandomStream chance(1, "map");
-  SurfelMap later(0.1, 0.03);
-  later.clear({}, 30);
-  for (const auto& pose : poses) {
-    later.add(patchPoints(look(walls, pose, {}, chance), {}), pose);
-    askEverywhere(later);
-  }
-  const auto at_once = askEverywhere(mapOf(walls, poses));
-  EXPECT_GT(at_once.size(), 1000U);
-  EXPECT_EQ(askEverywhere(later), at_once);
-}
-
 /// Two rooms with a wall of 12 cm between them, looked at from both, with 1 cm of noise.
 SurfelMap mapOfTwoRooms(bool two_sided) {
   core::RandomStream chance(1, "map");
