@@ -1,6 +1,5 @@
 #include <memory>
 
-#include "libslam/keyframes/search.h"
 #include "libslam/loops/loop_closer.h"
 #include "libslam/posegraph/optimize.h"
 
@@ -41,7 +40,7 @@ void LoopCloser::beginClosing(const keyframes::Hypothesis& loop, bool is_linked)
 bool LoopCloser::continueClosing(bool may_move) {
   if (!isClosing()) return false;
   if (closing_ && !closing_->is_found) {
-    const double most = keyframes::kWorkPerUnit * options_->loop_work;
+    const double most = workOfScan();
     double work = most;
     closing_->is_found = closing_->work->advance(work);
     // To take them over is work, too.

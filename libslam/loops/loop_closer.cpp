@@ -14,6 +14,8 @@ using core::Pose2;
 
 /// Travel to the next search, by the last one's window; never so far that two searches share no scan.
 constexpr double kPausePerReach = 0.1, kRivalPause = 2;
+/// Keyframes nearer to each other count as this far apart.
+constexpr double kLeastDistance_m = 0.1;
 /// 95 of 100 right loops have no larger innovation (chi-square, three degrees of freedom). How many times as
 /// far others are followed, at most.
 constexpr double kLikelyInnovation = 7.8, kMostUnlikely = 4;
@@ -118,7 +120,16 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
 }
 
 void LoopCloser::continueSearching() {
-  continueSearching(keyframes::kWorkPerUnit * options_->loop_work);
+  continueSearching(workOfScan());
+  scan_m_ = map_->path_m() - scanned_m_;
+  scanned_m_ = map_->path_m();
+}
+
+/// A scan that comes far from the one before has the work of as many as keyframes lie between: how late a
+/// loop is counts in metres.
+double LoopCloser::workOfScan() const {
+  const double scans = std::max(1.0, scan_m_ / std::max(options_->keyframe_distance_m, kLeastDistance_m));
+  return scans * keyframes::kWorkPerUnit * options_->loop_work;
 }
 
 void LoopCloser::completeSearching() {
@@ -236,7 +247,7 @@ std::optional<LoopCloser::Accepted> LoopCloser::accept(const keyframes::Hypothes
 }
 
 void LoopCloser::forget() {
-  searched_m_ = map_->path_m();
+  searched_m_ = scanned_m_ = map_->path_m();
   hypotheses_.clear();
   search_.giveUp();
 }

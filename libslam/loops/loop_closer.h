@@ -60,6 +60,7 @@ class LoopCloser {
   void follow(keyframes::Hypothesis& found);
 
   void continueSearching(double work);
+  double workOfScan() const;
 
   void beginClosing(const keyframes::Hypothesis& loop, bool is_linked);
   void beginClosing();
@@ -74,6 +75,8 @@ class LoopCloser {
   size_t solved_edges_ = 0;           ///< of the graph, when all poses were found last
   double searched_m_ = 0;             ///< where on the way the last search was
   PlaceSearch search_;
+  double scan_m_ = 0,
+         scanned_m_ = 0;  ///< way to the last scan from the one before; where on the way that was
 };
 
 }  // namespace slam::loops

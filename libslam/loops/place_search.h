@@ -21,7 +21,7 @@ class PlaceSearch {
   /// For the scans of the keyframes [first, last] around `keyframe`.
   void begin(int keyframe, int first, int last);
   bool isUnderWay() const { return stage_ != Stage::kNone; }
-  void giveUp() { stage_ = Stage::kNone, found_.clear(); }
+  void giveUp() { stage_ = Stage::kNone, found_.clear(), pieces_.reset(); }
   int keyframe() const { return search_.keyframe; }
   /// Whether the keyframe is known to be there already, so that the place needs no match.
   using Known = std::function<bool(const core::Pose2& T_map_robot)>;

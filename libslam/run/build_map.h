@@ -41,7 +41,7 @@ struct MapRun {
   std::optional<results::Stop> stopped;  ///< before the log's end; all else is of the scans before
 };
 
-/// How it is run, beside what decides the bytes.
+/// What else buildMap() may be told. Only the continuation decides bytes.
 struct BuildOptions {
   bool measure_memory = true;  ///< only makes sense while nothing else runs in this process
   Continuation continuation = {};

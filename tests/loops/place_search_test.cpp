@@ -150,5 +150,25 @@ TEST(PlaceSearch, WhatItFindsIsFollowedThroughTheKeyframesThatCameMeanwhile) {
   EXPECT_EQ(searches, 1);
 }
 
+TEST(PlaceSearch, TakesTheFewerScansTheFartherTheseLieApart) {
+  keyframes::GraphOptions options;
+  options.loop_work = 1e-3;
+  const auto scansNeeded = [&](double step_m) {
+    Return robot(options);
+    LoopCloser loops(robot.map);
+    loops.closeLoops();
+    int scans = 0;
+    for (; !loops.isFollowing() && scans < 10000; ++scans) {
+      robot.map.drive(step_m);
+      loops.continueSearching();
+    }
+    return scans;
+  };
+  const int near = scansNeeded(0.1), far = scansNeeded(10 * options.keyframe_distance_m);
+  EXPECT_GT(near, 20);
+  EXPECT_EQ(scansNeeded(0.2), near) << "a keyframe in more than one scan";
+  EXPECT_LT(far, near / 5);
+}
+
 }  // namespace
 }  // namespace slam::loops
