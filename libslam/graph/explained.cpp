@@ -17,15 +17,14 @@ double GraphSlam::toldScore(const std::vector<PatchPoint>& points, const Pose2& 
   constexpr double kLeastTold = 0.2;
   const auto viewers = keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers);
   const Point2 origin = maps_.fine.origin();
-  const auto poses = map_->lidarsOf(viewers);
-  const std::vector<core::RigidMotion2> T_lidars_map(poses.begin(), poses.end());
+  const auto beams = map_->beamsOf(viewers);
   const core::RigidMotion2 T_map_points(T_map_robot);
   std::vector<PatchPoint> told;
   for (const auto& point : points) {
     const Point2 p_map = T_map_points * position(point);
     bool is_told = maps_.fine.at(p_map.x - origin.x, p_map.y - origin.y) != nullptr;
-    for (size_t i = 0; !is_told && i < viewers.size(); ++i)
-      is_told = map_->sight(viewers[i], T_lidars_map[i] * p_map) == keyframes::Sight::kPassed;
+    for (size_t i = 0; !is_told && i < beams.size(); ++i)
+      is_told = beams[i].say(p_map) == keyframes::Sight::kPassed;
     if (is_told) told.push_back(point);
   }
   const double share = surfelScore(told, maps_.fine, T_map_robot, keyframes::kKernel, 1);
@@ -40,14 +39,13 @@ double GraphSlam::gain(const std::vector<PatchPoint>& points, const Pose2& T_map
                        const Pose2& T_map_other) const {
   const auto viewers = keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers);
   const Point2 origin = maps_.fine.origin();
-  const auto poses = map_->lidarsOf(viewers);
-  const std::vector<core::RigidMotion2> T_lidars_map(poses.begin(), poses.end());
+  const auto beams = map_->beamsOf(viewers);
   const core::RigidMotion2 T_here(T_map_robot), T_there(T_map_other);
   const auto says = [&](const core::RigidMotion2& T, const PatchPoint& point) {
     const Point2 p_map = T * position(point);
     bool agreed = false;
-    for (size_t i = 0; i < viewers.size(); ++i) {
-      const keyframes::Sight seen = map_->sight(viewers[i], T_lidars_map[i] * p_map);
+    for (const auto& viewer : beams) {
+      const keyframes::Sight seen = viewer.say(p_map);
       if (seen == keyframes::Sight::kPassed) return true;
       agreed = agreed || seen == keyframes::Sight::kAgreed;
     }

@@ -72,24 +72,24 @@ void GraphSlam::hangOn(int k, const Pose2& T_map_robot) {
 bool GraphSlam::hasChanged(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                            const Pose2& T_map_robot) {
   const auto viewers = keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers);
-  const auto T_lidars_map = map_->lidarsOf(viewers);
+  const auto beams = map_->beamsOf(viewers);
   int changed = 0;
   for (const auto& point : points) {
     const Point2 p_map = T_map_robot * position(point);
     bool is_passed = false, is_agreed = false;
-    for (size_t i = 0; i < viewers.size(); ++i) {
-      const keyframes::Sight seen = map_->sight(viewers[i], T_lidars_map[i] * p_map);
+    for (const auto& viewer : beams) {
+      const keyframes::Sight seen = viewer.say(p_map);
       is_passed = is_passed || seen == keyframes::Sight::kPassed,
       is_agreed = is_agreed || seen == keyframes::Sight::kAgreed;
     }
     if (is_passed && !is_agreed) changed += appeared_.look(p_map, scan.time_s);
   }
-  const Pose2 T_lidar_map = core::inverse(T_map_robot * scan.T_robot_lidar);
+  const keyframes::Beams now(scan, core::inverse(T_map_robot));
   int gone = 0;
   for (const int viewer : viewers)
     for (const auto& point : map_->keyframe(viewer).points) {
       const Point2 p_map = map_->pose(viewer) * position(point);
-      if (keyframes::sight(scan, T_lidar_map * p_map) == keyframes::Sight::kPassed)
+      if (now.say(p_map) == keyframes::Sight::kPassed)
         gone += gone_.look(p_map, scan.time_s);
     }
   if (gone >= kLeastChanged) forgetGone(scan, T_map_robot);
@@ -99,9 +99,9 @@ bool GraphSlam::hasChanged(const lidar::Scan& scan, const std::vector<PatchPoint
 /// What a scan sees through, and what has been seen through for a while, is taken out of the keyframes
 /// around.
 void GraphSlam::forgetGone(const lidar::Scan& scan, const Pose2& T_map_robot) {
-  const Pose2 T_lidar_map = core::inverse(T_map_robot * scan.T_robot_lidar);
+  const keyframes::Beams now(scan, core::inverse(T_map_robot));
   const auto isGone = [&](const Point2& p_map) {
-    return gone_.hasStayed(p_map) && keyframes::sight(scan, T_lidar_map * p_map) == keyframes::Sight::kPassed;
+    return gone_.hasStayed(p_map) && now.say(p_map) == keyframes::Sight::kPassed;
   };
   // Not what merely lies near: a part whose place is not known, or a pass whose loop is not closed.
   for (const int other : map_->keyframesAround(anchor_, core::position(T_map_robot), options_.map_path_m,

@@ -22,6 +22,8 @@ using scanmatch::PosePrior;
 
 /// Another start must explain this much more than odometry's to be taken at all.
 constexpr double kStartGain = 0.02;
+/// A start that explains so much of a scan is near enough; the two scans, which are dear, are not asked.
+constexpr double kNearEnough = 0.9;
 /// In standard deviations of odometry: a match farther from it has let it go.
 constexpr double kLetGo = 3;
 /// Where no odometry tells how far the robot went, it is looked for on a lattice of this pitch.
@@ -111,8 +113,9 @@ keyframes::Start GraphSlam::bestStart(const lidar::Scan& scan, const std::vector
   const double own = surfelScore(points, maps_.coarse, e.predicted, keyframes::kKernel, keyframes::kStride);
   keyframes::Start best{e.predicted, kStartGain};
   const auto consider = [&](const Pose2& candidate) {
-    const double gain =
-        surfelScore(points, maps_.coarse, candidate, keyframes::kKernel, keyframes::kStride) - own;
+    const double gain = surfelScore(points, maps_.coarse, candidate, keyframes::kKernel, keyframes::kStride,
+                                    own + best.gain) -
+                        own;
     if (gain > best.gain) best = {candidate, gain};
   };
   consider(e.T_before * T_previous_robot_);
@@ -122,7 +125,8 @@ keyframes::Start GraphSlam::bestStart(const lidar::Scan& scan, const std::vector
     consider({e.predicted.x, e.predicted.y, e.predicted.phi + turn});
     if (by_wheels_) consider({e.by_wheels.x, e.by_wheels.y, e.by_wheels.phi + turn});
   }
-  const bool from_scans = !e.has_odometry || best.gain > options_.distrust_gain;
+  const bool from_scans =
+      !e.has_odometry || (best.gain > options_.distrust_gain && own + best.gain < kNearEnough);
   const auto motion = from_scans ? motionFromScans(scan) : std::nullopt;
   if (motion) consider(e.T_before * *motion);
   if (!e.has_odometry) slide(e, motion.value_or(e.step.T_previous_robot), consider);

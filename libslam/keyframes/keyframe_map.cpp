@@ -70,10 +70,10 @@ const LevelMaps& KeyframeMap::mapOf(const std::vector<int>& keyframes, const Poi
 }
 
 void KeyframeMap::fill(LevelMaps& maps, const std::vector<int>& keyframes, const Point2& centre) const {
-  for (auto* map : {&maps.fine, &maps.middle, &maps.coarse}) {
-    map->clear(centre, kMapReach_m);
-    for (const int k : keyframes) map->add(keyframe(k).points, graph_.pose(k), k);
-  }
+  for (auto* map : {&maps.fine, &maps.middle, &maps.coarse}) map->clear(centre, kMapReach_m);
+  for (const int k : keyframes) maps.fine.add(keyframe(k).points, graph_.pose(k), k);
+  maps.middle.add(maps.fine);
+  maps.coarse.add(maps.middle);
 }
 
 std::vector<int> KeyframeMap::keyframesAround(int start, const Point2& centre, double path_m,

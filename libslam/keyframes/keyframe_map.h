@@ -5,6 +5,7 @@
 
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
+#include "libslam/keyframes/beams.h"
 #include "libslam/keyframes/graph_options.h"
 #include "libslam/keyframes/links.h"
 #include "libslam/keyframes/types.h"
@@ -92,9 +93,8 @@ class KeyframeMap {
                     const core::Pose2& T_map_robot, const scanmatch::SurfelMap& map) const;
 
   // views.cpp: what keyframes' beams say of other scans
-  Sight sight(int viewer, const core::Point2& p_lidar) const;
-  /// From map to lidar, of each of these keyframes.
-  std::vector<core::Pose2> lidarsOf(const std::vector<int>& viewers) const;
+  /// Of each of these keyframes, for points in map axes; as long as no keyframe comes or changes.
+  std::vector<Beams> beamsOf(const std::vector<int>& viewers) const;
   View view(int viewer, const core::Pose2& T_viewer_points,
             const std::vector<scanmatch::PatchPoint>& points) const;
   /// What the beams of keyframes say of the points of a scan at a pose, on average; 0 without keyframes.

@@ -32,9 +32,7 @@ double distinctness(const std::vector<scanmatch::PatchPoint>& points, const Leve
                     const scanmatch::MatchResult& matched);
 std::vector<int> firstOf(std::vector<int> keyframes, int most);
 
-/// What a scan says of a point in its lidar's frame.
-Sight sight(const lidar::Scan& seen, const core::Point2& p_lidar);
-/// The same of points of the robot that T_viewer_points puts there.
+/// What a scan says of points that T_viewer_points takes to its robot; of every `stride`-th.
 View view(const lidar::Scan& scan, const core::Pose2& T_viewer_points,
           const std::vector<scanmatch::PatchPoint>& points, size_t stride = 1);
 

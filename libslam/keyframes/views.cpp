@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "libslam/core/elementary.h"
-#include "libslam/core/rigid_motion2.h"
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/search.h"
@@ -40,68 +39,15 @@ double sharedView(const lidar::Scan& scan, const Pose2& T_map_robot, const lidar
   return std::clamp((std::max(one_way, 0.0) + std::max(other_way, 0.0)) / its, 0.0, 1.0);
 }
 
-namespace {
-
-/// The beam, counted from the first, nearest to the direction of a point. As core::atan2() rounded has it,
-/// but that is seldom asked: to 1e-5 rad a polynomial knows the angle (Abramowitz and Stegun, 4.4.49), and
-/// most directions are farther from the middle between two beams.
-long beamTowards(const Point2& p, double first_angle_rad, double step_rad) {
-  constexpr double kError_rad = 1.2e-5;
-  const auto beam = [&](double angle_rad) {
-    const double angle = angle_rad - first_angle_rad;
-    return (angle < 0 ? angle + 2 * core::kPi : angle) / step_rad;
-  };
-  const double x = std::abs(p.x), y = std::abs(p.y), least = std::min(x, y), most = std::max(x, y);
-  if (most > 0) {
-    const double t = least / most, t2 = t * t;
-    double angle =
-        t * (0.9998660 + t2 * (-0.3302995 + t2 * (0.1801410 + t2 * (-0.0851330 + t2 * 0.0208351))));
-    if (y > x) angle = core::kPi / 2 - angle;
-    if (p.x < 0) angle = core::kPi - angle;
-    if (p.y < 0) angle = -angle;
-    const double rough = beam(angle), error = kError_rad / step_rad;
-    const double above = std::floor(rough + error + 0.5);
-    // Beside the seam behind the robot the two angles can lie a turn apart.
-    const bool is_clear = std::abs(angle) < 3.14 && std::abs(angle - first_angle_rad) > kError_rad;
-    if (is_clear && above == std::floor(rough - error + 0.5) && rough > 0.5) return static_cast<long>(above);
-  }
-  return std::lround(beam(core::atan2(p.y, p.x)));
-}
-
-}  // namespace
-
 double View::conflict() const {
   return agreed + passed == 0 ? 0 : static_cast<double>(passed) / (agreed + passed);
 }
 
-Sight sight(const lidar::Scan& seen, const Point2& p_lidar) {
-  const auto& ranges = seen.ranges_m;
-  // Half of what two walls are apart at least; and beams are compared with their neighbours.
-  constexpr double kSame_m = 0.3;
-  const long beam = beamTowards(p_lidar, seen.first_angle_rad, seen.step_rad);
-  if (beam < 1 || beam + 1 >= static_cast<long>(ranges.size())) return Sight::kUnseen;
-  const double distance_m = core::hypot(p_lidar.x, p_lidar.y);
-  double off_m = 1e9, nearest_m = 1e9;
-  for (long b = beam - 1; b <= beam + 1; ++b) {
-    const float range_m = ranges[static_cast<size_t>(b)];
-    if (!lidar::isReturn(range_m)) continue;
-    off_m = std::min(off_m, std::abs(range_m - distance_m));
-    nearest_m = std::min(nearest_m, static_cast<double>(range_m));
-  }
-  if (off_m < kSame_m) return Sight::kAgreed;
-  return nearest_m < 1e9 && nearest_m > distance_m + kSame_m ? Sight::kPassed : Sight::kUnseen;
-}
-
-Sight KeyframeMap::sight(int viewer, const Point2& p_lidar) const {
-  return keyframes::sight(keyframe(viewer).seen, p_lidar);
-}
-
-std::vector<Pose2> KeyframeMap::lidarsOf(const std::vector<int>& viewers) const {
-  std::vector<Pose2> T_lidars_map;
-  T_lidars_map.reserve(viewers.size());
-  for (const int viewer : viewers)
-    T_lidars_map.push_back(core::inverse(graph_.pose(viewer) * keyframe(viewer).seen.T_robot_lidar));
-  return T_lidars_map;
+std::vector<Beams> KeyframeMap::beamsOf(const std::vector<int>& viewers) const {
+  std::vector<Beams> beams;
+  beams.reserve(viewers.size());
+  for (const int viewer : viewers) beams.emplace_back(keyframe(viewer).seen, core::inverse(graph_.pose(viewer)));
+  return beams;
 }
 
 View KeyframeMap::view(int viewer, const Pose2& T_viewer_points,
@@ -111,10 +57,10 @@ View KeyframeMap::view(int viewer, const Pose2& T_viewer_points,
 
 View view(const lidar::Scan& scan, const Pose2& T_viewer_points, const std::vector<PatchPoint>& points,
           size_t stride) {
-  const core::RigidMotion2 T_lidar_points(core::inverse(scan.T_robot_lidar) * T_viewer_points);
+  const Beams beams(scan, T_viewer_points);
   View result;
   for (size_t i = 0; i < points.size(); i += stride) {
-    const Sight seen = sight(scan, T_lidar_points * position(points[i]));
+    const Sight seen = beams.say(position(points[i]));
     if (seen == Sight::kAgreed) ++result.agreed;
     if (seen == Sight::kPassed) ++result.passed;
   }
@@ -181,9 +127,9 @@ std::vector<int> KeyframeMap::partnersOf(int k, const std::vector<int>& near,
   for (const int other : near) {
     if (other == k || !isApart(other, partners)) continue;
     if (other != keyframeBefore(k)) {
-      const View seen = view(other, core::between(graph_.pose(other), T_map_robot), points);
+      const View seen = keyframes::view(keyframe(other).seen, core::between(graph_.pose(other), T_map_robot), points, kStride);
       if (seen.conflict() > options_.link_conflict ||
-          seen.agreed < options_.link_agreed * static_cast<double>(points.size()))
+          kStride * seen.agreed < options_.link_agreed * static_cast<double>(points.size()))
         continue;
     }
     partners.push_back(other);

@@ -50,15 +50,8 @@ void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_
     const double x = tx + c * point.x - s * point.y, y = ty + s * point.x + c * point.y;
     const auto column = static_cast<std::int64_t>(std::floor(x * per_cell_));
     const auto row = static_cast<std::int64_t>(std::floor(y * per_cell_));
-    // The rim stays empty so that neighbours need no check.
-    if (column < 2 || row < 2 || column >= side_ - 2 || row >= side_ - 2) continue;
-    const std::int64_t cell = row * side_ + column;
-    std::int32_t& index = sums_of_[static_cast<size_t>(cell)];
-    if (index < 0) {
-      index = static_cast<std::int32_t>(sums_.size());
-      sums_.emplace_back();
-      cells_.push_back(cell);
-    }
+    const std::int32_t index = indexOf(column, row);
+    if (index < 0) continue;
     const double dx = x - (static_cast<double>(column) + 0.5) * cell_m_;
     const double dy = y - (static_cast<double>(row) + 0.5) * cell_m_;
     const double ax = c * point.along_x - s * point.along_y, ay = s * point.along_x + c * point.along_y;
@@ -67,6 +60,37 @@ void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_
     sums.n += 1, sums.x += dx, sums.y += dy;
     sums.xx += dx * dx + ax * ax, sums.xy += dx * dy + ax * ay, sums.yy += dy * dy + ay * ay;
   }
+}
+
+void SurfelMap::add(const SurfelMap& finer) {
+  for (const std::int64_t cell : finer.cells_) {
+    const double its_column = static_cast<double>(cell % finer.side_),
+                 its_row = static_cast<double>(cell / finer.side_);
+    const double x = finer.origin_.x + (its_column + 0.5) * finer.cell_m_ - origin_.x,
+                 y = finer.origin_.y + (its_row + 0.5) * finer.cell_m_ - origin_.y;
+    const auto column = static_cast<std::int64_t>(std::floor(x * per_cell_));
+    const auto row = static_cast<std::int64_t>(std::floor(y * per_cell_));
+    const std::int32_t index = indexOf(column, row);
+    if (index < 0) continue;
+    const double ox = x - (static_cast<double>(column) + 0.5) * cell_m_,
+                 oy = y - (static_cast<double>(row) + 0.5) * cell_m_;
+    for (std::int32_t face = finer.sums_of_[static_cast<size_t>(cell)]; face >= 0;
+         face = finer.sums_[static_cast<size_t>(face)].back)
+      sums_[static_cast<size_t>(index)].add(finer.sums_[static_cast<size_t>(face)], 1, ox, oy);
+  }
+}
+
+/// Where the sums of a cell are; -1 on the rim, which stays empty so that neighbours need no check.
+std::int32_t SurfelMap::indexOf(std::int64_t column, std::int64_t row) {
+  if (column < 2 || row < 2 || column >= side_ - 2 || row >= side_ - 2) return -1;
+  const std::int64_t cell = row * side_ + column;
+  std::int32_t& index = sums_of_[static_cast<size_t>(cell)];
+  if (index < 0) {
+    index = static_cast<std::int32_t>(sums_.size());
+    sums_.emplace_back();
+    cells_.push_back(cell);
+  }
+  return index;
 }
 
 /// The sums of a cell for a point whose surface lies along (ax, ay), with the lidar on the left.

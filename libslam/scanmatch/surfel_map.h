@@ -33,6 +33,8 @@ class SurfelMap {
   void clear(const core::Point2& centre, double reach_m);
   /// Points of a scan, robot frame. `view` names the scan for firstViewOf().
   void add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot, int view = 0);
+  /// The points of a map of smaller cells, each cell of which lies within one of these.
+  void add(const SurfelMap& finer);
 
   core::Point2 origin() const { return origin_; }
   /// Whether the map has anything to say there: see clear(). Coordinates from origin().
@@ -77,6 +79,7 @@ class SurfelMap {
   static constexpr std::int32_t kUnknown = -1, kNone = -2;
   std::int32_t makeSurfel(std::int64_t cell) const;
   static bool areTwoFaces(const Sums& front, const Sums& back);
+  std::int32_t indexOf(std::int64_t column, std::int64_t row);
   Sums& faceOf(std::int32_t index, double ax, double ay);
   void pushSurfel(const Sums& pooled, std::int64_t column, std::int64_t row) const;
 

@@ -24,7 +24,7 @@ lidar::Scan fan(double degrees, double range_m, const Pose2& T_robot_lidar = {})
 }
 
 Sight at(const lidar::Scan& scan, double distance_m, double degrees) {
-  return sight(scan, core::polar(distance_m, core::degToRad(degrees)));
+  return Beams(scan, {}).say(core::polar(distance_m, core::degToRad(degrees)));
 }
 
 TEST(Views, ABeamAgreesPassesOrSaysNothing) {
@@ -71,6 +71,27 @@ TEST(Views, NeighboursOfABeamAreHeard) {
   EXPECT_EQ(at(scan, 5, 0), Sight::kUnseen);
 }
 
+// A hundred-thousandth of a degree to either side of the middle between two beams, all the way round: of a beam
+// alone its neighbours hear, and no others.
+TEST(Views, BeamsEndInTheMiddleBetweenThem) {
+  constexpr double kAside_rad = 1.7e-7;
+  for (const double first_deg : {-179.9, -90.0, 0.0, 77.7})
+    for (int alone = 3; alone < 998; ++alone) {
+      lidar::Scan scan;
+      scan.step_rad = 2 * kPi / 1001;
+      scan.first_angle_rad = core::degToRad(first_deg);
+      scan.max_range_m = 20;
+      scan.ranges_m.assign(1001, lidar::kNoReturn);
+      scan.ranges_m[static_cast<size_t>(alone)] = 5;
+      const Beams beams(scan, {});
+      for (const double way : {-1.0, 1.0}) {
+        const double end_rad = scan.angle(static_cast<size_t>(alone)) + way * 1.5 * scan.step_rad;
+        ASSERT_EQ(beams.say(core::polar(5, end_rad - way * kAside_rad)), Sight::kAgreed) << alone << way;
+        ASSERT_EQ(beams.say(core::polar(5, end_rad + way * kAside_rad)), Sight::kUnseen) << alone << way;
+      }
+    }
+}
+
 // A lidar that sits ahead and looks to the left, at a wall 3 m from it: 3 m to the left of the robot, too.
 TEST(Views, GoThroughTheLidarsMounting) {
   const lidar::Scan scan = fan(40, 3, {0.5, 0, kPi / 2});
@@ -95,15 +116,12 @@ TEST(Views, OfAMapGoThroughPosesAndMountings) {
   addKeyframe(map, {}, roundRoom(3), 0, -1);
   addKeyframe(map, {10, 4, kPi / 2}, fan(40, 3, {0.5, 0, kPi / 2}), 1, 0);
   // The second keyframe's lidar is at (10, 4.5) in the map and looks along -x.
-  const auto T_lidars_map = map.lidarsOf({1});
-  ASSERT_EQ(T_lidars_map.size(), 1U);
-  const core::Point2 ahead = T_lidars_map[0] * core::Point2{7, 4.5},
-                     left = T_lidars_map[0] * core::Point2{10, 3.5};
-  EXPECT_NEAR(ahead.x, 3, 1e-12);
-  EXPECT_NEAR(ahead.y, 0, 1e-12);
-  EXPECT_NEAR(left.x, 0, 1e-12);
-  EXPECT_NEAR(left.y, 1, 1e-12);
-  EXPECT_EQ(map.sight(1, ahead), Sight::kAgreed);
+  const auto beams = map.beamsOf({1});
+  ASSERT_EQ(beams.size(), 1U);
+  EXPECT_EQ(beams[0].say({7, 4.5}), Sight::kAgreed);
+  EXPECT_EQ(beams[0].say({9, 4.5}), Sight::kPassed);
+  EXPECT_EQ(beams[0].say({6, 4.5}), Sight::kUnseen);
+  EXPECT_EQ(beams[0].say({10, 3.5}), Sight::kUnseen);
   // Points in the map itself, and a viewer that sees none of them.
   const std::vector<scanmatch::PatchPoint> points = {pointAt(7, 4.5), pointAt(8, 4.5), pointAt(9, 4.5),
                                                      pointAt(9.5, 4.5)};
