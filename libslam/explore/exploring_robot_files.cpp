@@ -112,14 +112,15 @@ table::Table ExploringRobot::explorationTable() const {
 
 /// False: the map has come apart and cannot be drawn; all else is kept.
 bool ExploringRobot::writeMap(const Exploration& e) {
+  gridmap::OccupancyRaster map;
   try {
-    localiser_.map();
+    map = localiser_.map();
   } catch (const core::MethodError&) {
     mapping::saveKeyFrames(localiser_.builder(), folder_);
     return false;
   }
-  mapping::saveMaps(localiser_.builder(), folder_);
-  results::writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
+  mapping::saveMaps(localiser_.builder(), map, folder_);
+  results::writeScene(localiser_.builder(), map, estimate_, *last_scan_, folder_ + "/map.3Dscene");
   if (e.end != ExplorationEnd::kFailed && core::isFinite(e.evaluation.trajectory.T_truth_estimate))
     results::addTruthToScene(truth_, &plan_, core::inverse(e.evaluation.trajectory.T_truth_estimate),
                              folder_ + "/map.3Dscene");

@@ -89,8 +89,7 @@ bool GraphSlam::hasChanged(const lidar::Scan& scan, const std::vector<PatchPoint
   for (const int viewer : viewers)
     for (const auto& point : map_->keyframe(viewer).points) {
       const Point2 p_map = map_->pose(viewer) * position(point);
-      if (now.say(p_map) == keyframes::Sight::kPassed)
-        gone += gone_.look(p_map, scan.time_s);
+      if (now.say(p_map) == keyframes::Sight::kPassed) gone += gone_.look(p_map, scan.time_s);
     }
   if (gone >= kLeastChanged) forgetGone(scan, T_map_robot);
   return changed >= kLeastChanged;

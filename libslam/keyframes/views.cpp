@@ -46,7 +46,8 @@ double View::conflict() const {
 std::vector<Beams> KeyframeMap::beamsOf(const std::vector<int>& viewers) const {
   std::vector<Beams> beams;
   beams.reserve(viewers.size());
-  for (const int viewer : viewers) beams.emplace_back(keyframe(viewer).seen, core::inverse(graph_.pose(viewer)));
+  for (const int viewer : viewers)
+    beams.emplace_back(keyframe(viewer).seen, core::inverse(graph_.pose(viewer)));
   return beams;
 }
 
@@ -127,7 +128,8 @@ std::vector<int> KeyframeMap::partnersOf(int k, const std::vector<int>& near,
   for (const int other : near) {
     if (other == k || !isApart(other, partners)) continue;
     if (other != keyframeBefore(k)) {
-      const View seen = keyframes::view(keyframe(other).seen, core::between(graph_.pose(other), T_map_robot), points, kStride);
+      const View seen = keyframes::view(keyframe(other).seen, core::between(graph_.pose(other), T_map_robot),
+                                        points, kStride);
       if (seen.conflict() > options_.link_conflict ||
           kStride * seen.agreed < options_.link_agreed * static_cast<double>(points.size()))
         continue;

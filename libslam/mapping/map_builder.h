@@ -151,6 +151,8 @@ const graph::GraphSlam* graphSlamOf(const MapBuilder& method);
 /// graph.g2o, its pose graph, whose node i is the i-th key frame of map.simplemap. Same input, same bytes.
 /// Errors: IoError with the path.
 void saveMaps(const MapBuilder& method, const std::string& folder);
+/// The same where currentMap() is at hand: large ones take time and memory to make.
+void saveMaps(const MapBuilder& method, const gridmap::OccupancyRaster& map, const std::string& folder);
 /// A map that no method holds: map.yaml, map.png and map.gridmap.gz of these. REQUIRES a cell
 /// (ContractError).
 void saveRaster(const gridmap::OccupancyRaster& map, const std::string& folder);

@@ -102,7 +102,11 @@ std::optional<KeyFrame> scanOf(const mrpt::maps::CSimpleMap& map, size_t frame_n
 }  // namespace
 
 void saveMaps(const MapBuilder& method, const std::string& folder) {
-  writeRosMap(currentMap(method), folder);
+  saveMaps(method, currentMap(method), folder);
+}
+
+void saveMaps(const MapBuilder& method, const gridmap::OccupancyRaster& map, const std::string& folder) {
+  writeRosMap(map, folder);
   writeObject(plainCopy(*builders::gridOf(mrptBuilder(method))), folder + "/map.gridmap.gz");
   saveKeyFrames(method, folder);
 }

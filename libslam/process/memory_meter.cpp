@@ -2,6 +2,7 @@
 
 #include <malloc.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "libslam/process/process_memory.h"
@@ -14,6 +15,13 @@ MemoryMeter::MemoryMeter() {
   std::ofstream("/proc/self/clear_refs") << "5";
   before_mb_ = processMemoryMb("VmRSS");
   files_before_mb_ = processMemoryMb("RssFile");
+}
+
+void MemoryMeter::leaveOut(const std::function<void()>& work) {
+  const double before_mb = processMemoryMb("VmRSS"), files_before_mb = processMemoryMb("RssFile");
+  work();
+  const double files_mb = processMemoryMb("RssFile") - files_before_mb;
+  before_mb_ += std::max(processMemoryMb("VmRSS") - before_mb - files_mb, 0.0);
 }
 
 double MemoryMeter::peakMb() const {

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 
 namespace slam::process {
 
@@ -8,6 +9,8 @@ namespace slam::process {
 class MemoryMeter {
  public:
   MemoryMeter();
+  /// Does work whose memory is not counted, as long as it stays in use.
+  void leaveOut(const std::function<void()>& work);
   /// NaN where the system does not say.
   double peakMb() const;
 

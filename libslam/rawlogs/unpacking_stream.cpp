@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <new>
@@ -92,6 +93,19 @@ class Bzip2Unpacker : public Unpacker {
   std::string failure_;
 };
 
+/// For liblzma: touched at once, so that a dictionary (of 64 MiB at most, as xz makes them) does not grow
+/// while a method's memory is measured. A broken header can ask for much more.
+void* touchedMemory(void*, size_t count, size_t size) {
+  constexpr size_t kMostTouched = size_t{65} << 20;
+  void* memory = std::malloc(count * size);
+  if (memory != nullptr && count * size <= kMostTouched) std::memset(memory, 0, count * size);
+  return memory;
+}
+void freeMemory(void*, void* memory) {
+  std::free(memory);
+}
+constexpr lzma_allocator kTouching = {touchedMemory, freeMemory, nullptr};
+
 class XzUnpacker : public Unpacker {
  public:
   XzUnpacker() { start(); }
@@ -126,6 +140,7 @@ class XzUnpacker : public Unpacker {
   // A few bytes of a header can ask for 4 GiB.
   static constexpr std::uint64_t kMostMemory = 1ULL << 30;
   void start() {
+    stream_.allocator = &kTouching;
     if (lzma_stream_decoder(&stream_, kMostMemory, 0) != LZMA_OK) throw std::bad_alloc();
   }
   lzma_stream stream_ = LZMA_STREAM_INIT;
@@ -159,6 +174,7 @@ UnpackingStream::UnpackingStream(const std::string& path) : input_(kInputBytes) 
   readFile();
   unpacker_ = unpackerFor({reinterpret_cast<const char*>(input_.data()), input_size_});
   in_member_ = isPacked();
+  if (isPacked()) fill();
 }
 
 UnpackingStream::~UnpackingStream() = default;

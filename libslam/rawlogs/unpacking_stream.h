@@ -36,7 +36,8 @@ class Unpacker {
 /// cut, or damaged (all that was unpacked before the damage is still delivered).
 class UnpackingStream : public mrpt::io::CStream {
  public:
-  /// Errors: missing, a folder, unreadable (InputError).
+  /// Has unpacked a first piece already: what reading takes of memory is taken then. Errors: missing, a
+  /// folder, unreadable (InputError).
   explicit UnpackingStream(const std::string& path);
   ~UnpackingStream() override;
   UnpackingStream(const UnpackingStream&) = delete;

@@ -195,9 +195,8 @@ void stackLayers(COpenGLScene& scene, const draw::Window& window) {
 
 }  // namespace
 
-void writeScene(const mapping::MapBuilder& method, const core::Trajectory& path, const lidar::Scan& last_scan,
-                const std::string& file) {
-  const auto map = mapping::currentMap(method);
+void writeScene(const mapping::MapBuilder& method, const gridmap::OccupancyRaster& map,
+                const core::Trajectory& path, const lidar::Scan& last_scan, const std::string& file) {
   const auto window = windowOf(map, path);
   const double line_m = lineWidth(window);
   COpenGLScene scene;

@@ -109,11 +109,9 @@ void stoppable(MapRun& run, const Taken& taken, bool keep_partial, const std::fu
 }
 
 /// All scans of the log through the method.
-void takeIn(const std::string& log_path, mapping::MapBuilder& method,
-            const std::optional<ExternalRun>& external, MapRun& run, Taken& taken,
-            resources::Manifest& manifest, core::Progress& progress, record::StepObserver* observer) {
-  // An external program reads the log by itself; its poses are those of the main lidar's scans.
-  logs::LogReader log(log_path, external ? "" : method.lidars);
+void takeIn(logs::LogReader& log, mapping::MapBuilder& method, const std::optional<ExternalRun>& external,
+            MapRun& run, Taken& taken, resources::Manifest& manifest, core::Progress& progress,
+            record::StepObserver* observer) {
   OdometryGaps gaps;
   while (const auto entry = log.next()) {
     const double stamp_s = entry->scan.time_s;
@@ -250,8 +248,8 @@ void scoreAndDraw(const mapping::MapBuilder& method, const Taken& taken, const s
     });
   };
   const auto draw = [&] {
-    mapping::saveMaps(method, folder);
-    results::writeScene(method, ending.path, taken.last_scan, folder + "/map.3Dscene");
+    mapping::saveMaps(method, *ending.map, folder);
+    results::writeScene(method, *ending.map, ending.path, taken.last_scan, folder + "/map.3Dscene");
   };
   core::ThreadTeam(std::clamp(options.threads, 1, 2)).forEach(2, [&](size_t job) {
     job == 0 ? score() : draw();
@@ -340,16 +338,19 @@ MapRun buildMap(const std::string& log_path, const files::IniFile& method_config
   files::IniFile builder_config = method_config;
   const auto external = externalRun(method_name, log_path, seed, output.path() + "/work", continuation,
                                     builder_config, progress);
-  const process::MemoryMeter memory;
+  process::MemoryMeter memory;
   auto method = mapping::makeMapBuilder(builder_config, method_name, seed);
   // The earlier run's map, before anything is measured.
   if (!continuation.folder.empty()) beginInMap(method, continuation, log_path, output.path(), manifest);
+  std::optional<logs::LogReader> log;
+  // An external program reads the log by itself; its poses are those of the main lidar's scans.
+  memory.leaveOut([&] { log.emplace(log_path, external ? "" : method.lidars); });
   MapRun run;
   run.commands_from = tellCommands(method, log_path);
   Taken taken;
   progress.begin("mapping with " + method_name);
   stoppable(run, taken, options.keep_partial,
-            [&] { takeIn(log_path, method, external, run, taken, manifest, progress, options.observer); });
+            [&] { takeIn(*log, method, external, run, taken, manifest, progress, options.observer); });
   progress.end();
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
 
@@ -357,9 +358,10 @@ MapRun buildMap(const std::string& log_path, const files::IniFile& method_config
   finisher.finish();
   run.path_length_m = core::pathLength(run.estimate);
   run.end = run.estimate.back().pose;
-  // Before anything else takes memory.
+  // Before anything else takes memory, and before the reader's is free.
   const double peak_memory_mb =
       options.measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
+  log.reset();
   if (options.observer) options.observer->onFinished(method);
   Ending ending = finisher.results();
   scoreAndDraw(method, taken, log_path, external ? "" : method.lidars, options, output.path(), run, ending,

@@ -119,8 +119,9 @@ MergedMap mergeMaps(const std::vector<std::string>& maps, const files::IniFile& 
   merged.loops = acceptedLoops(joined.method);
   for (const auto& one : merged.sessions)
     logs::writeTum(one.path, output.path() + "/" + one.session.name + ".tum");
-  mapping::saveMaps(joined.method, output.path());
-  results::writeScene(joined.method, merged.sessions.back().path, joined.key_frames.back().back().scan,
+  const auto map = mapping::currentMap(joined.method);
+  mapping::saveMaps(joined.method, map, output.path());
+  results::writeScene(joined.method, map, merged.sessions.back().path, joined.key_frames.back().back().scan,
                       output.path() + "/map.3Dscene");
   files::writeFileAtomically(output.path() + "/merge.json", mergeJson(merged));
   describe(merged, method_config, output.path(), manifest);

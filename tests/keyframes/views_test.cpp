@@ -71,8 +71,8 @@ TEST(Views, NeighboursOfABeamAreHeard) {
   EXPECT_EQ(at(scan, 5, 0), Sight::kUnseen);
 }
 
-// A hundred-thousandth of a degree to either side of the middle between two beams, all the way round: of a beam
-// alone its neighbours hear, and no others.
+// A hundred-thousandth of a degree to either side of the middle between two beams, all the way round: of a
+// beam alone its neighbours hear, and no others.
 TEST(Views, BeamsEndInTheMiddleBetweenThem) {
   constexpr double kAside_rad = 1.7e-7;
   for (const double first_deg : {-179.9, -90.0, 0.0, 77.7})

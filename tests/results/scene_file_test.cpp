@@ -31,7 +31,7 @@ void write(const std::string& method_name, const std::string& file) {
         {entry.scan.time_s, mapping::processScan(method, entry.scan, entry.T_previous_robot, true)});
     last = entry.scan;
   }
-  writeScene(method, path, last, file);
+  writeScene(method, mapping::currentMap(method), path, last, file);
 }
 
 std::vector<std::string> layersOf(const std::string& file) {
