@@ -19,6 +19,7 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   docs     make the documentation as an offline site and the reference of the headers, in build/docs
   clang    build everything with clang, and run all tests
   sanitize build everything with address and undefined-behaviour sanitizers, and run all tests (an hour and more)
+  threads  build the tests of what uses threads with the thread sanitizer, and run them
   tidy     clang-tidy over every source file (an hour and more)
   attack   build, then fail every call of the system once in every command, and damage files of every format
            (ARGUMENTS go to tests/fuzz/campaign.py)
@@ -183,6 +184,11 @@ case "$verb" in
     install_missing "${packages[@]}"
     build debug 40
     ctest --preset debug -j "$(nproc)" "${arguments[@]}"
+    ;;
+  threads)
+    install_missing "${packages[@]}"
+    build threads 30
+    ctest --preset threads -j "$(nproc)" "${arguments[@]}"
     ;;
   tidy)
     install_missing "${packages[@]}" "${tidy_packages[@]}"

@@ -8,7 +8,11 @@ target_compile_options(slam_build_flags INTERFACE
 if(RASTERSLAM_WERROR)
   target_compile_options(slam_build_flags INTERFACE -Werror)
 endif()
-if(RASTERSLAM_SANITIZE)
+if(RASTERSLAM_SANITIZE STREQUAL "threads")
+  target_compile_options(slam_build_flags INTERFACE -O1 -fsanitize=thread -fno-omit-frame-pointer)
+  target_link_options(slam_build_flags INTERFACE -fsanitize=thread)
+  set(slam_test_environment "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/threads.supp:halt_on_error=1")
+elseif(RASTERSLAM_SANITIZE)
   # Not optimised at all, the tests of the estimators take hours.
   target_compile_options(slam_build_flags INTERFACE -O1 -fsanitize=address,undefined -fno-omit-frame-pointer
                                                     -fno-sanitize-recover=undefined)
