@@ -93,7 +93,7 @@ void GraphSlam::lookWhetherLost(const lidar::Scan& scan, const std::vector<Patch
   look.broken = broken;
   look.contradicted = told.against(explained);
   look.telling = std::min(told.contradicted * told.telling + explained, 1.0);
-  look.may_be_lost = explained < options_.lost_score;
+  look.may_be_lost = explained < options_.lost_score && !(doubt_.begins >= 0 && loops_.isWhereExpected());
   lost_.look(look);
   if (look.telling < kTold) doubt_.untold_m += look.moved_m;
 }

@@ -76,6 +76,7 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
     } else if (step.is_keyframe) {
       if (doubt_.begins < 0) learnWrongPlace(scan, points, step.T_map_robot);
       if (trust == keyframes::Trust::kOwnMap) beginOwnMap();
+      if (trust == keyframes::Trust::kWell) map_->noteExplained(step.score);
       addKeyframe(scan, std::move(points), step.T_map_robot, information);
       if (trust == keyframes::Trust::kWell && is_known_ground_) retireOldest(map_->lastKeyframe());
       step.pose_covariance = covariance_;
@@ -85,7 +86,11 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
   }
   if (options_.loops && map_->isCutOff(map_->lastKeyframe()) && doubt_.begins < 0 && !loops_.isClosing())
     lookForPart(map_->parts().back().begin, map_->lastKeyframe());
-  loops_.continueSearching();
+  if (const auto accepted = loops_.continueSearching()) {
+    noteLoop(*accepted);
+    setMapHere();
+    step.T_map_robot = currentPose();
+  }
   records_.push_back({anchor_, T_keyframe_robot_, step.drift_covariance});
   map_->nextScan();
   keepScan(scan);

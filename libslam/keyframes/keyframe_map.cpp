@@ -51,6 +51,18 @@ void KeyframeMap::updateCovariances() {
   }
 }
 
+void KeyframeMap::noteExplained(double share) {
+  constexpr double kMostCounted = 1000;
+  explained_count_ = std::min(explained_count_ + 1, kMostCounted);
+  explained_ += (share - explained_) / explained_count_;
+}
+
+double KeyframeMap::hereFor(double score) const {
+  // Dense logs have 0.84 to 0.87.
+  constexpr double kUsual = 0.7;
+  return score * std::min(explained_ / kUsual, 1.0);
+}
+
 void KeyframeMap::link(int a, int b) {
   links_.join(a, b, core::distance(graph_.pose(a), graph_.pose(b)));
 }

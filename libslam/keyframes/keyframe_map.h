@@ -59,6 +59,12 @@ class KeyframeMap {
   void settle();
   void updateCovariances();
 
+  /// A keyframe's scan is explained by this share by the map around.
+  void noteExplained(double share);
+  /// What `score` of a scan that an old map has to explain is worth here: less where scans lie far apart, or
+  /// have few beams, and even the map around explains little of them.
+  double hereFor(double score) const;
+
   // Parts of the map that have no known place in one another.
   const std::vector<Part>& parts() const { return parts_; }
   void beginPart(int keyframe) { parts_.push_back({keyframe, keyframe}); }
@@ -136,6 +142,7 @@ class KeyframeMap {
   std::vector<core::JournalEntry> journal_;
   PointNoise point_noise_;
   double path_m_ = 0;
+  double explained_ = 1, explained_count_ = 0;
   int revision_ = 0, scan_ = 0;
   mutable LevelMaps scratch_;  ///< of mapOf()
 };

@@ -51,8 +51,9 @@ void LoopCloser::confirm(keyframes::Hypothesis& hypothesis, int k) const {
   const bool is_there =
       conflict < options_->loop_conflict && keyframes::isFollowed(matched.T_map_robot, expected);
   hypothesis.says[k] = {is_there ? keyframes::kNatsPerScan * (matched.score - conflict) : 0, unknown};
-  if (!is_there || matched.score < options_->loop_confirm_score) {
-    hypothesis.failures += !is_there || matched.score + unknown < options_->loop_confirm_score;
+  const double least = map_->hereFor(options_->loop_confirm_score);
+  if (!is_there || matched.score < least) {
+    hypothesis.failures += !is_there || matched.score + unknown < least;
     return;
   }
   hypothesis.evidence += keyframes::distinctness(points, maps, matched);
@@ -62,6 +63,12 @@ void LoopCloser::confirm(keyframes::Hypothesis& hypothesis, int k) const {
   ++hypothesis.confirmations;
 }
 
+/// To ask is dear, and it stays as it is.
+double LoopCloser::innovationOf(keyframes::Hypothesis& place, LoopJudge& judge) const {
+  if (!(place.innovation >= 0)) place.innovation = judge.innovation(place);
+  return place.innovation;
+}
+
 /// Whether a place was followed for long enough that it would be known if another one were as good: the
 /// longer, the less likely the way between makes it.
 bool LoopCloser::isFollowedEnough(keyframes::Hypothesis& place, LoopJudge& judge) const {
@@ -69,15 +76,34 @@ bool LoopCloser::isFollowedEnough(keyframes::Hypothesis& place, LoopJudge& judge
   if (followed_m < options_->loop_confirm_m) return false;
   const bool is_joined = map_->componentOf(place.keyframe) == map_->componentOf(place.old_keyframe);
   if (is_joined) {
-    // To ask is dear, and it stays as it is.
-    if (!(place.innovation >= 0)) place.innovation = judge.innovation(place);
-    const double unlikely = std::min(place.innovation / kLikelyInnovation, kMostUnlikely);
-    if (followed_m < options_->loop_confirm_m * unlikely) return false;
+    const double unlikely = std::min(innovationOf(place, judge) / kLikelyInnovation, kMostUnlikely);
+    // In a log with few scans a place is soon followed far.
+    if (followed_m < options_->loop_confirm_m * unlikely ||
+        place.confirmations < options_->loop_confirmations * unlikely)
+      return false;
   }
   // So much farther on the robot is well within the map, wherever it came to it.
   return judge.isBest(
       place, hypotheses_,
       followed_m < options_->map_radius_m ? LoopJudge::Beyond::kCounts : LoopJudge::Beyond::kIsNoRival);
+}
+
+/// Whether scans enough say that a place is the right one, and that it is unlike its neighbours.
+bool LoopCloser::isConfirmed(const keyframes::Hypothesis& place) const {
+  return place.confirmations >= options_->loop_confirmations && place.evidence >= options_->loop_distinctness;
+}
+
+/// The loop of a place that was followed for long enough, if there is one.
+std::optional<LoopCloser::Accepted> LoopCloser::acceptConfirmed() {
+  LoopJudge of_places = judge();
+  const auto confirmed =
+      std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](keyframes::Hypothesis& one) {
+        return isConfirmed(one) && isCompared(one) && isFollowedEnough(one, of_places);
+      });
+  if (confirmed == hypotheses_.end()) return std::nullopt;
+  const keyframes::Hypothesis loop = *confirmed;
+  hypotheses_.clear();
+  return accept(loop, of_places);
 }
 
 std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
@@ -93,17 +119,7 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
       ++i;
     }
   }
-  LoopJudge of_places = judge();
-  const auto confirmed =
-      std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](keyframes::Hypothesis& one) {
-        return one.confirmations >= options_->loop_confirmations &&
-               one.evidence >= options_->loop_distinctness && isFollowedEnough(one, of_places);
-      });
-  if (confirmed != hypotheses_.end()) {
-    const keyframes::Hypothesis loop = *confirmed;
-    hypotheses_.clear();
-    if (const auto accepted = accept(loop, of_places)) return accepted;
-  }
+  if (const auto accepted = acceptConfirmed()) return accepted;
   if (search_.isUnderWay()) return std::nullopt;
   // A wide search is dear, and what it would find is still there some metres on.
   const double pause_m = std::max(options_->loop_every_m,
@@ -119,10 +135,11 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
   return std::nullopt;
 }
 
-void LoopCloser::continueSearching() {
-  continueSearching(workOfScan());
+std::optional<LoopCloser::Accepted> LoopCloser::continueSearching() {
+  const auto accepted = continueSearching(workOfScan());
   scan_m_ = map_->path_m() - scanned_m_;
   scanned_m_ = map_->path_m();
+  return accepted;
 }
 
 /// A scan that comes far from the one before has the work of as many as keyframes lie between: how late a
@@ -132,15 +149,17 @@ double LoopCloser::workOfScan() const {
   return scans * keyframes::kWorkPerUnit * options_->loop_work;
 }
 
-void LoopCloser::completeSearching() {
-  continueSearching(std::numeric_limits<double>::infinity());
+std::optional<LoopCloser::Accepted> LoopCloser::completeSearching() {
+  return continueSearching(std::numeric_limits<double>::infinity());
 }
 
-void LoopCloser::continueSearching(double work) {
-  if (!search_.isUnderWay()) return;
+std::optional<LoopCloser::Accepted> LoopCloser::continueSearching(double work) {
+  if (!search_.isUnderWay()) return std::nullopt;
   const auto isKnown = [&](const Pose2& T_map_robot) { return isFollowing(search_.keyframe(), T_map_robot); };
-  if (!search_.advance(work, isKnown)) return;
+  search_.advance(work, isKnown);
   for (keyframes::Hypothesis& found : search_.take()) follow(found);
+  // What was found early may have been confirmed meanwhile.
+  return search_.isUnderWay() ? std::nullopt : acceptConfirmed();
 }
 
 /// Whether a hypothesis that is followed has the keyframe there.
@@ -150,6 +169,22 @@ bool LoopCloser::isFollowing(int keyframe, const Pose2& T_map_robot) const {
         known.T_map_robot * core::between(map_->pose(known.keyframe), map_->pose(keyframe));
     return core::distance(expected, T_map_robot) < 0.5 &&
            std::abs(core::angleDifference(expected.phi, T_map_robot.phi)) < 0.1;
+  });
+}
+
+/// Whether the search that found a place has looked for others, too.
+bool LoopCloser::isCompared(const keyframes::Hypothesis& place) const {
+  return !search_.isUnderWay() || place.begun_m < map_->keyframe(search_.keyframe()).path_m;
+}
+
+bool LoopCloser::isWhereExpected() {
+  constexpr int kLeast = 2;
+  LoopJudge of_places = judge();
+  return std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](keyframes::Hypothesis& place) {
+    return place.confirmations >= kLeast &&
+           place.keyframe + keyframes::kMostFailures >= map_->lastKeyframe() &&
+           map_->componentOf(place.keyframe) == map_->componentOf(place.old_keyframe) &&
+           innovationOf(place, of_places) <= kLikelyInnovation;
   });
 }
 
@@ -176,6 +211,9 @@ void LoopCloser::searchRemainingLoops(int first_searched, const std::function<vo
     while (first > 0 && at_m - map_->keyframe(first - 1).path_m < options_->loop_path_m / 2) --first;
     while (last + 1 < n && map_->keyframe(last + 1).path_m - at_m < options_->loop_path_m / 2) ++last;
     search_.begin(k, first, last);
+    // Where keyframes lie far apart these are too few to confirm a place.
+    first = std::max(std::min(first, k - options_->loop_confirmations), 0);
+    last = std::min(std::max(last, k + options_->loop_confirmations), n - 1);
     search_.advance(std::numeric_limits<double>::infinity(), [](const Pose2&) { return false; });
     std::vector<keyframes::Hypothesis> places = search_.take();
     for (keyframes::Hypothesis& forth : places) {
@@ -188,8 +226,7 @@ void LoopCloser::searchRemainingLoops(int first_searched, const std::function<vo
     }
     LoopJudge of_places = judge();
     const auto best = std::find_if(places.begin(), places.end(), [&](const keyframes::Hypothesis& one) {
-      return one.confirmations >= options_->loop_confirmations && 2 * one.confirmations >= last - first + 1 &&
-             one.evidence >= options_->loop_distinctness &&
+      return isConfirmed(one) && 2 * one.confirmations >= last - first + 1 &&
              of_places.isBest(one, places, LoopJudge::Beyond::kIsNoRival);
     });
     if (best == places.end() || !accept(*best, of_places)) continue;

@@ -25,9 +25,10 @@ class LoopCloser {
   };
   /// Follows the hypotheses to the newest keyframe, accepts what is confirmed, and begins to search for more.
   std::optional<Accepted> closeLoops();
-  /// One piece of the search that is under way, or all that is left of it; what it finds is followed.
-  void continueSearching();
-  void completeSearching();
+  /// One piece of the search that is under way, or all that is left of it; what it finds is followed at once,
+  /// and accepted when the search is done and no rival came.
+  std::optional<Accepted> continueSearching();
+  std::optional<Accepted> completeSearching();
   /// With the whole path known a place can be looked at from both sides, and what drift had carried out of
   /// reach may have come near. From keyframe `first` on: a map of before was searched then. Calls `moved()`
   /// whenever the keyframes have moved.
@@ -38,6 +39,9 @@ class LoopCloser {
   /// Forgets what is followed; the next search comes when the robot has moved on.
   void forget();
   bool isFollowing() const { return !hypotheses_.empty(); }
+  /// Whether the newest scans fit a place that is followed, and that lies where the way there has it: a robot
+  /// that was kidnapped would hardly be there.
+  bool isWhereExpected();
 
   // closing.cpp
   bool isClosing() const { return closing_ || has_old_covariances_; }
@@ -53,13 +57,17 @@ class LoopCloser {
  private:
   std::optional<Accepted> accept(const keyframes::Hypothesis& loop, LoopJudge& judge);
   std::optional<double> ruledOutBy(const keyframes::Hypothesis& loop, LoopJudge& judge) const;
+  bool isConfirmed(const keyframes::Hypothesis& place) const;
+  bool isCompared(const keyframes::Hypothesis& place) const;
+  std::optional<Accepted> acceptConfirmed();
+  double innovationOf(keyframes::Hypothesis& place, LoopJudge& judge) const;
   bool isFollowedEnough(keyframes::Hypothesis& place, LoopJudge& judge) const;
   LoopJudge judge() const;
   void confirm(keyframes::Hypothesis& hypothesis, int keyframe) const;
   bool isFollowing(int keyframe, const core::Pose2& T_map_robot) const;
   void follow(keyframes::Hypothesis& found);
 
-  void continueSearching(double work);
+  std::optional<Accepted> continueSearching(double work);
   double workOfScan() const;
 
   void beginClosing(const keyframes::Hypothesis& loop, bool is_linked);

@@ -98,7 +98,7 @@ void PlaceSearch::listCandidates() {
 }
 
 void PlaceSearch::begin(int keyframe, int first, int last) {
-  found_.clear();
+  found_.clear(), has_found_ = false;
   stage_ = Stage::kPlace;
   measureWays(keyframe);
   listCandidates();
@@ -155,7 +155,7 @@ bool PlaceSearch::advance(double work, const Known& isKnown) {
     if (stage_ == Stage::kPlace) {
       // To draw a place cannot be divided.
       if (has_worked && work < std::numeric_limits<double>::infinity()) return false;
-      if (!found_.empty() || candidates_.empty() || !nextPlace(work)) {
+      if (has_found_ || candidates_.empty() || !nextPlace(work)) {
         stage_ = Stage::kNone;
         break;
       }
@@ -208,7 +208,7 @@ bool PlaceSearch::add(const Pose2& T_found, double least_score, const Known& isK
   work -= kWorkPerMatch;
   for (const int k : around_) work -= kWorkPerMatched * static_cast<double>(map_->keyframe(k).points.size());
   const auto place = matchAt(T_found, least_score);
-  if (place) found_.push_back(*place);
+  if (place) found_.push_back(*place), has_found_ = true;
   return place.has_value();
 }
 
@@ -221,7 +221,8 @@ std::optional<keyframes::Hypothesis> PlaceSearch::matchAt(const Pose2& T_found, 
       viewers.push_back(a);
   const double conflict = map_->meanConflict(keyframes::firstOf(std::move(viewers), keyframes::kViewers),
                                              matched.T_map_robot, map_->keyframe(search_.keyframe).points);
-  if (matched.score < least_score || conflict > 2 * options_->loop_conflict) return std::nullopt;
+  if (matched.score < map_->hereFor(least_score) || conflict > 2 * options_->loop_conflict)
+    return std::nullopt;
   map_->note(core::JournalEvent::kFound, matched.score, old_);
   keyframes::Hypothesis hypothesis;
   hypothesis.keyframe = search_.keyframe, hypothesis.old_keyframe = old_;

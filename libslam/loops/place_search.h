@@ -27,8 +27,8 @@ class PlaceSearch {
   using Known = std::function<bool(const core::Pose2& T_map_robot)>;
   /// One piece, of so much work (multiplications) and what cannot be divided. True when the search is done.
   bool advance(double work, const Known& isKnown);
-  /// What was found. REQUIRES that the search is done.
-  std::vector<keyframes::Hypothesis> take() { return std::move(found_); }
+  /// What was found since this was asked last. Until the search is done a rival may still come.
+  std::vector<keyframes::Hypothesis> take() { return std::exchange(found_, {}); }
   /// The widest window of the last search; 0: there was no place to look at.
   double reach_m() const { return reach_m_; }
 
@@ -63,6 +63,7 @@ class PlaceSearch {
   std::optional<scanmatch::SearchInPieces> pieces_;
   scanmatch::SearchResult best_{};
   std::vector<keyframes::Hypothesis> found_;
+  bool has_found_ = false;
 };
 
 }  // namespace slam::loops

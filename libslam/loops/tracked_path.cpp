@@ -44,8 +44,7 @@ bool TrackedPath::addKeyframe(const std::vector<lidar::Scan>& seen, const Placed
   if (!options.loops || size() == 1) return false;
   if (loops_->closeLoops()) return loops_->completeClosing();
   // The tracker may put the newest keyframes elsewhere before the next one comes.
-  loops_->completeSearching();
-  return false;
+  return loops_->completeSearching() && loops_->completeClosing();
 }
 
 /// Whether the keyframes around see all that a scan sees, often enough, so that one more tells nothing.
