@@ -181,7 +181,7 @@ TEST(ElementaryValues, ZerosInfinitiesAndNoNumbersAreThoseOfC) {
   }
 }
 
-#if !defined(__SANITIZE_ADDRESS__)
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 // MRPT and OpenCV, too, call ours in a program of ours: apps/same_bits.cpp. The C library's differ at some
 // arguments in a hundred.
 TEST(ElementaryValues, AreThoseOfTheWholeProgram) {

@@ -150,18 +150,108 @@ TEST(PlaceSearch, WhatItFindsIsFollowedThroughTheKeyframesThatCameMeanwhile) {
   EXPECT_EQ(searches, 1);
 }
 
-TEST(PlaceSearch, TakesTheFewerScansTheFartherTheseLieApart) {
+/// A robot that is searched for piece by piece: where odometry has it, and where it is.
+struct Followed {
   keyframes::GraphOptions options;
-  options.loop_work = 1e-3;
-  const auto scansNeeded = [&](double step_m) {
-    Return robot(options);
-    LoopCloser loops(robot.map);
+  Return robot;
+  LoopCloser loops{robot.map};
+  explicit Followed(double work = 0.05, int confirmations = 2)
+      : options(optionsWith(work, confirmations)), robot(options) {
+    posegraph::Edge way;
+    way.from = 3, way.to = robot.k, way.T_from_to = core::between(robot.map.pose(3), robot.map.pose(robot.k));
+    // By a way that tells next to nothing, the place lies where it may.
+    way.information = 1e-4 * Eigen::Matrix3d::Identity();
+    robot.map.keyframes().back().odometry_edge = robot.map.graph().addEdge(way);
     loops.closeLoops();
-    int scans = 0;
-    for (; !loops.isFollowing() && scans < 10000; ++scans) {
-      robot.map.drive(step_m);
-      loops.continueSearching();
-    }
+  }
+  static keyframes::GraphOptions optionsWith(double work, int confirmations) {
+    keyframes::GraphOptions o;
+    o.loop_confirmations = confirmations, o.loop_confirm_m = 0, o.loop_distinctness = 0;
+    o.loop_innovation = 1e9, o.loop_every_m = 0.1, o.loop_work = work;
+    return o;
+  }
+};
+
+TEST(PlaceSearch, IsFollowedAtOnceAndAcceptedWhenItWasComparedWithOthers) {
+  Followed one;
+  auto& [options, robot, loops] = one;
+  EXPECT_FALSE(loops.isWhereExpected());
+  for (int scan = 0; scan < 10000 && !loops.isFollowing(); ++scan) ASSERT_FALSE(loops.continueSearching());
+  ASSERT_TRUE(loops.isFollowing()) << "the search for rivals is not done";
+  for (int i = 0; i < 3; ++i) {
+    driveOn(robot, {0.1, 0, 0.05});
+    EXPECT_FALSE(loops.closeLoops()) << "confirmed often enough, but a rival may come";
+  }
+  EXPECT_TRUE(loops.isWhereExpected());
+  const auto accepted = loops.completeSearching();
+  ASSERT_TRUE(accepted);
+  EXPECT_EQ(accepted->keyframe, robot.map.lastKeyframe());
+  EXPECT_FALSE(loops.isWhereExpected()) << "nothing is followed any longer";
+}
+
+TEST(PlaceSearch, APlaceThatTheWayRulesOutIsNotWhereTheRobotIsExpected) {
+  Followed one;
+  auto& [options, robot, loops] = one;
+  const auto measureFirmly = [&](int k, int before) {
+    posegraph::Edge firm;
+    firm.from = before, firm.to = k,
+    firm.T_from_to = core::between(robot.map.pose(before), robot.map.pose(k));
+    firm.information = 1e6 * Eigen::Matrix3d::Identity();
+    robot.map.keyframes()[static_cast<size_t>(k)].odometry_edge = robot.map.graph().addEdge(firm);
+  };
+  for (int k = 1; k <= robot.k; ++k) measureFirmly(k, k - 1);
+  while (!loops.isFollowing()) loops.continueSearching();
+  for (int i = 0; i < 2; ++i) {
+    driveOn(robot, {0.1, 0, 0.05});
+    measureFirmly(robot.map.lastKeyframe(), robot.map.lastKeyframe() - 1);
+    loops.closeLoops();
+  }
+  ASSERT_TRUE(loops.isFollowing());
+  EXPECT_FALSE(loops.isWhereExpected());
+}
+
+TEST(PlaceSearch, InTheEndKeyframesThatLieFarApartConfirmAPlaceToo) {
+  keyframes::GraphOptions options = Followed::optionsWith(20, 3);
+  options.loop_path_m = 0.2;
+  Return robot(options);
+  for (int i = 0; i < 3; ++i) driveOn(robot, {0.3, 0, 0.1});
+  for (int k = robot.k; k <= robot.map.lastKeyframe(); ++k) {
+    posegraph::Edge way;
+    way.from = k - 1, way.to = k, way.T_from_to = core::between(robot.map.pose(k - 1), robot.map.pose(k));
+    way.information = 1e-4 * Eigen::Matrix3d::Identity();
+    robot.map.keyframes()[static_cast<size_t>(k)].odometry_edge = robot.map.graph().addEdge(way);
+  }
+  LoopCloser loops(robot.map);
+  int moved = 0;
+  loops.searchRemainingLoops(robot.k, [&] { ++moved; });
+  EXPECT_GT(moved, 0);
+  EXPECT_LT(core::distance(robot.map.pose(robot.map.lastKeyframe()), robot.truth), 0.05);
+}
+
+TEST(PlaceSearch, AsksForAsMuchAsTheMapAroundExplains) {
+  keyframes::GraphOptions options;
+  options.loop_score = 0.999;
+  Return strict(options), used_to_little(options);
+  EXPECT_TRUE(strict.found().empty());
+  for (int i = 0; i < 10; ++i) used_to_little.map.noteExplained(0.5);
+  EXPECT_FALSE(used_to_little.found().empty());
+}
+
+TEST(PlaceSearch, OfWhatTheMapAroundExplainsTheMeanCounts) {
+  keyframes::KeyframeMap map{keyframes::GraphOptions{}};
+  EXPECT_DOUBLE_EQ(map.hereFor(0.6), 0.6) << "nothing is known yet";
+  map.noteExplained(0.9);
+  EXPECT_DOUBLE_EQ(map.hereFor(0.6), 0.6) << "never more";
+  map.noteExplained(0.1), map.noteExplained(0.05);
+  EXPECT_DOUBLE_EQ(map.hereFor(0.6), 0.6 * 0.35 / 0.7);
+}
+
+TEST(PlaceSearch, TakesTheFewerScansTheFartherTheseLieApart) {
+  const keyframes::GraphOptions options;
+  const auto scansNeeded = [](double step_m) {
+    Followed one(1e-3, 1);
+    int scans = 1;
+    for (; !one.loops.continueSearching() && scans < 10000; ++scans) one.robot.map.drive(step_m);
     return scans;
   };
   const int near = scansNeeded(0.1), far = scansNeeded(10 * options.keyframe_distance_m);
