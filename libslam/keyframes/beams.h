@@ -5,7 +5,7 @@
 
 namespace slam::keyframes {
 
-/// The beams of a scan, asked what they say of many points: some 10 ns each.
+/// The beams of a scan, and what they say of points.
 class Beams {
  public:
   /// Of points in the axes that T_robot_points takes them from. The scan has to outlive this.
