@@ -57,7 +57,7 @@ void KeyframeMap::noteExplained(double share) {
   explained_ += (share - explained_) / explained_count_;
 }
 
-double KeyframeMap::hereFor(double score) const {
+double KeyframeMap::adapted(double score) const {
   // Dense logs have 0.84 to 0.87. With 0.8 here a wrong loop was closed outdoors, in one of 23 settings.
   constexpr double kUsual = 0.7;
   return score * std::min(explained_ / kUsual, 1.0);

@@ -59,11 +59,11 @@ class KeyframeMap {
   void settle();
   void updateCovariances();
 
-  /// A keyframe's scan is explained by this share by the map around.
+  /// The map around a new keyframe explains this share of its scan, 0..1.
   void noteExplained(double share);
-  /// What `score` of a scan that an old map has to explain is worth here: less where scans lie far apart, or
-  /// have few beams, and even the map around explains little of them.
-  double hereFor(double score) const;
+  /// The least share of a scan that an old map has to explain, adapted to this log: `score`, or less where
+  /// scans lie far apart, or have few beams, and even the map around explains little of them.
+  double adapted(double score) const;
 
   // Parts of the map that have no known place in one another.
   const std::vector<Part>& parts() const { return parts_; }

@@ -51,7 +51,7 @@ void LoopCloser::confirm(keyframes::Hypothesis& hypothesis, int k) const {
   const bool is_there =
       conflict < options_->loop_conflict && keyframes::isFollowed(matched.T_map_robot, expected);
   hypothesis.says[k] = {is_there ? keyframes::kNatsPerScan * (matched.score - conflict) : 0, unknown};
-  const double least = map_->hereFor(options_->loop_confirm_score);
+  const double least = map_->adapted(options_->loop_confirm_score);
   if (!is_there || matched.score < least) {
     hypothesis.failures += !is_there || matched.score + unknown < least;
     return;
@@ -178,7 +178,7 @@ bool LoopCloser::isCompared(const keyframes::Hypothesis& place) const {
 }
 
 bool LoopCloser::isWhereExpected() {
-  constexpr int kLeast = 2;
+  constexpr int kLeast = 2;  // one scan may fit by chance
   LoopJudge of_places = judge();
   return std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](keyframes::Hypothesis& place) {
     return place.confirmations >= kLeast &&

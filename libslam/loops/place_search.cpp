@@ -221,7 +221,7 @@ std::optional<keyframes::Hypothesis> PlaceSearch::matchAt(const Pose2& T_found, 
       viewers.push_back(a);
   const double conflict = map_->meanConflict(keyframes::firstOf(std::move(viewers), keyframes::kViewers),
                                              matched.T_map_robot, map_->keyframe(search_.keyframe).points);
-  if (matched.score < map_->hereFor(least_score) || conflict > 2 * options_->loop_conflict)
+  if (matched.score < map_->adapted(least_score) || conflict > 2 * options_->loop_conflict)
     return std::nullopt;
   map_->note(core::JournalEvent::kFound, matched.score, old_);
   keyframes::Hypothesis hypothesis;

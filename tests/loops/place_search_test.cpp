@@ -239,11 +239,11 @@ TEST(PlaceSearch, AsksForAsMuchAsTheMapAroundExplains) {
 
 TEST(PlaceSearch, OfWhatTheMapAroundExplainsTheMeanCounts) {
   keyframes::KeyframeMap map{keyframes::GraphOptions{}};
-  EXPECT_DOUBLE_EQ(map.hereFor(0.6), 0.6) << "nothing is known yet";
+  EXPECT_DOUBLE_EQ(map.adapted(0.6), 0.6) << "nothing is known yet";
   map.noteExplained(0.9);
-  EXPECT_DOUBLE_EQ(map.hereFor(0.6), 0.6) << "never more";
+  EXPECT_DOUBLE_EQ(map.adapted(0.6), 0.6) << "never more";
   map.noteExplained(0.1), map.noteExplained(0.05);
-  EXPECT_DOUBLE_EQ(map.hereFor(0.6), 0.6 * 0.35 / 0.7);
+  EXPECT_DOUBLE_EQ(map.adapted(0.6), 0.6 * 0.35 / 0.7);
 }
 
 TEST(PlaceSearch, TakesTheFewerScansTheFartherTheseLieApart) {

@@ -47,14 +47,44 @@ TEST(SurfelMap, IsEmptyFarFromSurfacesOutsideAndAfterClear) {
 }
 
 /// Two rooms with a wall of 12 cm between them, looked at from both, with 1 cm of noise.
-SurfelMap mapOfTwoRooms(bool two_sided) {
+void addTwoRooms(SurfelMap& map) {
   core::RandomStream chance(1, "map");
+  int view = 0;
+  const auto left = rectangle(-4, -3, -0.06, 3), right = rectangle(0.06, -3, 4, 3);
+  for (const double x : {-2.0, 2.0})
+    for (const auto& pose : aFewPosesAround(x))
+      map.add(patchPoints(look(x < 0 ? left : right, pose, {}, chance), {}), pose, ++view);
+}
+
+SurfelMap mapOfTwoRooms(bool two_sided) {
   SurfelMap map(0.1, 0.03, two_sided);
   map.clear({}, 30);
-  const auto left = rectangle(-4, -3, -0.06, 3), right = rectangle(0.06, -3, 4, 3);
-  for (const auto& pose : aFewPosesAround(-2)) map.add(patchPoints(look(left, pose, {}, chance), {}), pose);
-  for (const auto& pose : aFewPosesAround(2)) map.add(patchPoints(look(right, pose, {}, chance), {}), pose);
+  addTwoRooms(map);
   return map;
+}
+
+TEST(SurfelMap, OfTheCellsOfAFinerOneIsThatOfItsPoints) {
+  SurfelMap fine(0.1, 0.03, true), of_points(0.4, 0.1), of_cells(0.4, 0.1);
+  for (auto* map : {&fine, &of_points, &of_cells}) map->clear({0.7, -0.3}, 30);
+  addTwoRooms(fine), addTwoRooms(of_points);
+  of_cells.add(fine);
+  ASSERT_DOUBLE_EQ(of_cells.origin().x, of_points.origin().x);
+  int surfels = 0;
+  for (double x = -5; x < 5; x += 0.2)
+    for (double y = -4; y < 4; y += 0.2) {
+      const Surfel* expected = of_points.at(x - of_points.origin().x, y - of_points.origin().y);
+      const Surfel* found = of_cells.at(x - of_cells.origin().x, y - of_cells.origin().y);
+      ASSERT_EQ(found == nullptr, expected == nullptr) << x << " " << y;
+      if (expected == nullptr) continue;
+      ++surfels;
+      EXPECT_NEAR(found->x, expected->x, 1e-5);
+      EXPECT_NEAR(found->y, expected->y, 1e-5);
+      EXPECT_NEAR(found->xx, expected->xx, 1e-3);
+      EXPECT_NEAR(found->xy, expected->xy, 1e-3);
+      EXPECT_NEAR(found->yy, expected->yy, 1e-3);
+      EXPECT_EQ(of_cells.firstViewOf(*found), of_points.firstViewOf(*expected));
+    }
+  EXPECT_GT(surfels, 200);
 }
 
 TEST(SurfelMap, KeepsTheTwoFacesOfAThinWallApart) {
