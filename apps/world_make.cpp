@@ -27,7 +27,7 @@ void setSize(files::IniFile& config, const std::string& size) {
   if (cross == std::string::npos || !files::parseNumber(size.substr(0, cross), width) ||
       !files::parseNumber(size.substr(cross + 1), height) || width < 5 || height < 5)
     throw core::InputError("--size: found '" + size +
-                           "', expected width x height in metres, each 5 to 200, such as 80x50");
+                           "', expected width x height in metres, each 5 to 500, such as 80x50");
   config.set("building", "width_m", files::formatNumber(width), "--size");
   config.set("building", "height_m", files::formatNumber(height), "--size");
 }
@@ -110,7 +110,7 @@ void addWorldMake(CLI::App& world, Context& context) {
                    "maze of fixed size")
       ->required();
   addOutput(command, context, "the yaml to write, its picture beside it (default KIND.yaml)");
-  command->add_option("--size", arguments->size, "width x height in metres, each 5 to 200, such as 80x50");
+  command->add_option("--size", arguments->size, "width x height in metres, each 5 to 500, such as 80x50");
   command->add_option(
       "--resolution", arguments->resolution_m,
       "metres a cell (default " + files::formatNumber(buildings::BuildingOptions().resolution_m) + ")");

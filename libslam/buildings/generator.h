@@ -36,7 +36,7 @@ struct GeneratedBuilding {
   int rooms = 0;  ///< flats: their rooms; halls: their sections; caves: their chambers; a campus: its yards
 };
 
-/// Draws a building of any size from 5 to 200 m; a larger one has more rooms, not larger ones. Placed at the
+/// Draws a building of any size from 5 to 500 m; a larger one has more rooms, not larger ones. Placed at the
 /// origin.
 ///
 /// Size: the plan has width_m by height_m, rounded to whole cells. One cell of unknown runs all round it,
@@ -52,8 +52,9 @@ struct GeneratedBuilding {
 /// Chance: streams "building layout", "building doors", "building glass", and one per room and corridor net
 /// for the furniture, so that other furniture or glass leaves the walls as they are. Integer arithmetic in
 /// cells from the options on: the same cells on any machine.
-/// Errors (InputError): unknown kind, with the nearest known one; a size outside 5 .. 200 m; too small for
-/// the kind, with the least size. Cost: about 0.1 s and 15 MB per million cells (a cave 0.2 s).
+/// Errors (InputError): unknown kind, with the nearest known one; a size outside 5 .. 500 m; more than 100
+/// million cells; too small for the kind, with the least size. Cost: about 0.1 s and 15 MB per million cells
+/// (a cave 0.2 s).
 GeneratedBuilding generateBuilding(const std::string& kind, const BuildingOptions& options,
                                    std::uint64_t seed);
 

@@ -52,7 +52,7 @@ std::vector<Eigen::Matrix3d> GraphSlam::covariances() const {
     const Eigen::Matrix3d J = keyframes::moved(core::position(T_map_keyframe),
                                                core::position(T_map_keyframe * record.T_keyframe_robot));
     result.push_back(J * keyframes[static_cast<size_t>(record.keyframe)] * J.transpose() +
-                     record.drift_covariance);
+                     record.drift_covariance.matrix());
   }
   return result;
 }
@@ -82,8 +82,8 @@ std::vector<Eigen::Matrix3d> GraphSlam::relativeCovariances(
                  y = s * b.T_keyframe_robot.x + c * b.T_keyframe_robot.y;
     const Eigen::Matrix3d J = moves(-y, x, a.T_keyframe_robot.phi), J_b = moves(0, 0, T_map_a.phi),
                           J_a = moves(-T_a_b.y, T_a_b.x, T_map_a.phi);
-    Eigen::Matrix3d covariance =
-        J_a * a.drift_covariance * J_a.transpose() + J_b * b.drift_covariance * J_b.transpose();
+    Eigen::Matrix3d covariance = J_a * a.drift_covariance.matrix() * J_a.transpose() +
+                                 J_b * b.drift_covariance.matrix() * J_b.transpose();
     if (a.keyframe != b.keyframe)
       covariance += J * keyframes.relative(a.keyframe, b.keyframe) * J.transpose();
     result.push_back(scanmatch::withoutNegatives(covariance, keyframes::kLeastShare, 0));

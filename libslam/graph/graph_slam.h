@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -251,7 +252,7 @@ class GraphSlam {
       map_;  ///< stays where it is when this is moved: the next two look at it
   loops::LoopCloser loops_;
   loops::PartFinder finder_;
-  std::vector<keyframes::Record> records_;
+  std::deque<keyframes::Record> records_;  // grows without a copy of all
   keyframes::LevelMaps maps_;
   std::vector<int> map_keyframes_;
   scanmatch::MatchEvidence evidence_;                     ///< of the scan at hand

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/core/symmetric3.h"
 #include "libslam/keyframes/graph_options.h"
 #include "libslam/lidar/scan.h"
 #include "libslam/posegraph/optimize.h"
@@ -33,10 +34,11 @@ struct Keyframe {
   Eigen::Matrix3d covariance;   ///< of its pose in the map
   Eigen::Matrix3d root;         ///< of the covariance with which what it saw first lies in the map; symmetric
 };
+/// Where a scan lies. There is one of every scan.
 struct Record {
   int keyframe;
   core::Pose2 T_keyframe_robot;
-  Eigen::Matrix3d drift_covariance;  ///< since the keyframe; map frame, as it was
+  core::Symmetric3 drift_covariance;  ///< since the keyframe; map frame, as it was
 };
 /// Surfels of the same points with cells of one, two and four times cell_m. `two_sided`: the finest keep the
 /// faces of thin walls apart; for a robot that is tracked, not for one whose place is looked for.

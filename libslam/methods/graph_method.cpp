@@ -88,9 +88,11 @@ std::optional<core::Trajectory> GraphMethod::finalPath(const core::Trajectory& o
 }
 
 std::vector<Eigen::Matrix3d> GraphMethod::finalCovariances() const {
-  const auto of_scans = builder_->graph().covariances();
-  std::vector<Eigen::Matrix3d> covariances;
-  for (const size_t scan : scans_of_steps_) covariances.push_back(of_scans.at(scan));
+  auto covariances = builder_->graph().covariances();
+  // A step's scan is never before the step's number.
+  for (size_t step = 0; step < scans_of_steps_.size(); ++step)
+    covariances[step] = covariances.at(scans_of_steps_[step]);
+  covariances.resize(scans_of_steps_.size());
   return covariances;
 }
 

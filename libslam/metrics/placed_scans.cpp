@@ -119,9 +119,10 @@ PointSharpness pointSharpness(const std::vector<core::Point2>& points, std::size
 
 void PlacedScans::add(const core::Pose2& T_map_lidar, const std::vector<core::Point2>& returns_lidar) {
   if (!core::isFinite(T_map_lidar)) return;
-  if (has_last_ && !isNewView(last_used_, T_map_lidar)) return;
-  last_used_ = T_map_lidar;
-  has_last_ = true;
+  if (views_ > 0 && !isNewView(last_view_, T_map_lidar)) return;
+  last_view_ = T_map_lidar;
+  Used scan{views_++, 0};
+  if (!isKept(scan.view)) return;
   const core::Point2 origin_cells = world::worldToCells(map_, core::position(T_map_lidar));
   const core::RigidMotion2 T_map_returns(T_map_lidar);
   for (const auto& p_lidar : returns_lidar) {
@@ -131,10 +132,34 @@ void PlacedScans::add(const core::Pose2& T_map_lidar, const std::vector<core::Po
     const core::Point2 end_cells = world::worldToCells(map_, p_map);
     if (!(end_cells.x >= 0 && end_cells.y >= 0 && end_cells.x < map_.columns && end_cells.y < map_.rows))
       continue;
-    ++returns_;
-    on_wall_ += endsOnWall(end_cells);
-    through_wall_ += goesThroughWall(origin_cells, end_cells);
+    ++scan.returns;
+    scan.on_wall += endsOnWall(end_cells);
+    scan.through_wall += goesThroughWall(origin_cells, end_cells);
   }
+  scan.points = points_.size();
+  used_.push_back(scan);
+  while (points_.size() > most_points_ && used_.size() > 1) dropHalf();
+}
+
+/// Multiples of the golden ratio, by their fractions: evenly spread, and no period with that of the lidars.
+bool PlacedScans::isKept(std::uint64_t view) const {
+  return halvings_ == 0 || view * 0x9E3779B97F4A7C15U >> (64 - halvings_) == 0;
+}
+
+void PlacedScans::dropHalf() {
+  ++halvings_;
+  std::size_t points = 0, scans = 0;
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    if (!isKept(used_[i].view)) continue;
+    const auto first = points_.begin() + static_cast<std::ptrdiff_t>(i > 0 ? used_[i - 1].points : 0);
+    const auto last = points_.begin() + static_cast<std::ptrdiff_t>(used_[i].points);
+    points = static_cast<std::size_t>(
+        std::copy(first, last, points_.begin() + static_cast<std::ptrdiff_t>(points)) - points_.begin());
+    used_[scans] = used_[i];
+    used_[scans++].points = points;
+  }
+  points_.resize(points);
+  used_.resize(scans);
 }
 
 bool PlacedScans::endsOnWall(const core::Point2& end_cells) const {
@@ -181,9 +206,12 @@ bool PlacedScans::goesThroughWall(const core::Point2& origin_cells, const core::
 }
 
 ScanAgreement PlacedScans::agreement() const {
-  const double n = static_cast<double>(returns_);
-  if (returns_ == 0) return {kNaN, kNaN, 0};
-  return {static_cast<double>(on_wall_) / n, static_cast<double>(through_wall_) / n, returns_};
+  std::size_t returns = 0, on_wall = 0, through_wall = 0;
+  for (const Used& scan : used_)
+    returns += scan.returns, on_wall += scan.on_wall, through_wall += scan.through_wall;
+  const double n = static_cast<double>(returns);
+  if (returns == 0) return {kNaN, kNaN, 0};
+  return {static_cast<double>(on_wall) / n, static_cast<double>(through_wall) / n, returns};
 }
 
 }  // namespace slam::metrics

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "libslam/core/pose2.h"
@@ -52,32 +53,48 @@ struct ScanAgreement {
 };
 inline constexpr double kWallReach_m = 0.10;
 
-/// Collects scans one by one.
+/// Collects scans one by one, in memory that a long drive does not use up: once the scans used have more than
+/// `most_points` returns, half of them are dropped, and of those to come as many are passed over. What is
+/// left lies evenly over the whole drive and over all lidars.
 class PlacedScans {
  public:
   /// Keeps a reference to the map, which must outlive it. Its T_world_plan places the raster in the map
   /// frame.
-  explicit PlacedScans(const world::Plan& map) : map_(map) {}
-  explicit PlacedScans(world::Plan&&) = delete;
+  explicit PlacedScans(const world::Plan& map, std::size_t most_points = kMostPoints)
+      : map_(map), most_points_(most_points) {}
+  explicit PlacedScans(world::Plan&&, std::size_t = kMostPoints) = delete;
+  static constexpr std::size_t kMostPoints = 3'000'000;  ///< 160 MB with what pointSharpness() needs
 
   /// One scan: returns as points in the lidar's frame. So that a robot that stands still does not outvote one
-  /// that drives, a scan is passed over when its pose is within 0.1 m and 5 degrees of the last one used; a
-  /// pose that is not finite too. Cost: the cells along the beams.
+  /// that drives, a scan is passed over when its pose is within 0.1 m and 5 degrees of the last one that was
+  /// not; a pose that is not finite too. Cost: the cells along the beams of scans that are used.
   void add(const core::Pose2& T_map_lidar, const std::vector<core::Point2>& returns_lidar);
 
   ScanAgreement agreement() const;
   /// All returns of the scans used, in the map frame; 16 bytes each.
   const std::vector<core::Point2>& points() const { return points_; }
+  /// How often the scans used were halved.
+  int halvings() const { return halvings_; }
 
  private:
   bool endsOnWall(const core::Point2& end_cells) const;
   bool goesThroughWall(const core::Point2& origin_cells, const core::Point2& end_cells) const;
+  bool isKept(std::uint64_t view) const;
+  void dropHalf();
+
+  struct Used {
+    std::uint64_t view;
+    std::size_t points;  ///< of points_, up to and with this scan
+    std::uint32_t returns = 0, on_wall = 0, through_wall = 0;
+  };
 
   const world::Plan& map_;
-  core::Pose2 last_used_;
-  bool has_last_ = false;
+  std::size_t most_points_;
+  core::Pose2 last_view_;
+  std::uint64_t views_ = 0;
+  int halvings_ = 0;
   std::vector<core::Point2> points_;
-  std::size_t returns_ = 0, on_wall_ = 0, through_wall_ = 0;
+  std::vector<Used> used_;
 };
 
 }  // namespace slam::metrics

@@ -36,18 +36,18 @@ StampedCovariance covarianceOf(const std::vector<std::string>& fields, const std
     throw core::InputError(place + ": found " + std::to_string(fields.size()) + " numbers, expected 7 (" +
                            kHeader + ")");
   const auto& [time_s, xx, xy, xphi, yy, yphi, phiphi] = values;
-  StampedCovariance stamped;
-  stamped.time_s = time_s;
-  stamped.covariance << xx, xy, xphi, xy, yy, yphi, xphi, yphi, phiphi;
-  return stamped;
+  Eigen::Matrix3d covariance;
+  covariance << xx, xy, xphi, xy, yy, yphi, xphi, yphi, phiphi;
+  return {time_s, covariance};
 }
 
 }  // namespace
 
 void writeCovariances(const std::vector<StampedCovariance>& covariances, const std::string& path) {
   std::string text = std::string(kHeader) + "\n";
-  for (const auto& [time_s, covariance] : covariances) {
-    append(text, time_s, std::chars_format::fixed, 6);
+  for (const auto& stamped : covariances) {
+    append(text, stamped.time_s, std::chars_format::fixed, 6);
+    const Eigen::Matrix3d covariance = stamped.covariance.matrix();
     for (int row = 0; row < 3; ++row)
       for (int column = row; column < 3; ++column) {
         text += ',';
@@ -86,7 +86,7 @@ std::vector<double> poseNees(const core::Trajectory& truth, const core::Trajecto
     const Eigen::Vector3d error(estimated.x - T_map_robot.x, estimated.y - T_map_robot.y,
                                 core::angleDifference(estimated.phi, T_map_robot.phi));
     constexpr double kRounding = 2e-6;
-    if (const auto value = stats::normalizedErrorSquared(error, covariances[i].covariance))
+    if (const auto value = stats::normalizedErrorSquared(error, covariances[i].covariance.matrix()))
       nees.push_back(*value);
     else if (error.cwiseAbs().maxCoeff() > kRounding)
       nees.push_back(std::numeric_limits<double>::infinity());

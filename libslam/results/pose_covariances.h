@@ -1,17 +1,17 @@
 #pragma once
-#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/core/symmetric3.h"
 
 namespace slam::results {
 
 /// How sure a method says that it is of a pose.
 struct StampedCovariance {
-  double time_s = 0;           ///< of the scan, as in the log
-  Eigen::Matrix3d covariance;  ///< of x (m), y (m), phi (rad) in the map frame
+  double time_s = 0;            ///< of the scan, as in the log
+  core::Symmetric3 covariance;  ///< of x (m), y (m), phi (rad) in the map frame
 };
 
 /// covariances.csv: `time_s,xx,xy,xphi,yy,yphi,phiphi` per scan, in the order of trajectory.tum; 6 decimals

@@ -74,6 +74,7 @@ std::vector<Stamped> inStampOrder(std::vector<Stamped> stamped) {
 std::vector<results::StampedCovariance> stamped(const std::vector<Eigen::Matrix3d>& covariances,
                                                 const std::vector<double>& stamps_s) {
   std::vector<results::StampedCovariance> result;
+  result.reserve(covariances.size());
   for (size_t i = 0; i < covariances.size(); ++i) result.push_back({stamps_s[i], covariances[i]});
   return result;
 }
@@ -81,7 +82,7 @@ std::vector<results::StampedCovariance> stamped(const std::vector<Eigen::Matrix3
 /// A method that leaves every covariance at zero gives none.
 bool areGiven(const std::vector<results::StampedCovariance>& covariances) {
   return std::any_of(covariances.begin(), covariances.end(),
-                     [](const results::StampedCovariance& stamped) { return !stamped.covariance.isZero(0); });
+                     [](const results::StampedCovariance& stamped) { return !stamped.covariance.isZero(); });
 }
 
 /// What is kept of the scans while they come, in the order of the log.
@@ -257,7 +258,7 @@ void scoreAndDraw(const mapping::MapBuilder& method, const Taken& taken, const s
 }
 
 /// Everything of the run in its final form: in the order of stamps, with its journal and its cost.
-void complete(const mapping::MapBuilder& method, const Ending& ending, const Taken& taken,
+void complete(const mapping::MapBuilder& method, Ending& ending, const Taken& taken,
               const std::optional<ExternalRun>& external, double peak_memory_mb, MapRun& run) {
   run.journal = results::placedJournal(mapping::journalOf(method), taken.stamps_s, ending.path);
   if (run.stopped) run.journal.push_back(results::stopLine(*run.stopped, ending.path.back().pose));
@@ -267,6 +268,7 @@ void complete(const mapping::MapBuilder& method, const Ending& ending, const Tak
   if (ending.final_path) run.final_estimate = inStampOrder(*ending.final_path);
   run.relative_covariances = ending.relative;
   run.final_covariances = inStampOrder(stamped(ending.covariances, taken.stamps_s));
+  ending.covariances = {};  // of a long log it is much
   const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
   run.cost = summarize(taken.milliseconds, ending.finish_s, log_seconds);
   run.cost.peak_memory_mb = peak_memory_mb;

@@ -215,9 +215,12 @@ TEST(GeneratorErrors, NameTheKeyOrTheKind) {
       "unknown kind of building 'ofice', expected flat, office, hall, hospital, cave or campus; did you mean "
       "'office'?");
   EXPECT_EQ(error("office", sized(4, 20)),
-            "[building] width_m: found 4, expected 5 to 200, or 0 for the kind's own");
-  EXPECT_EQ(error("office", sized(20, 201)),
-            "[building] height_m: found 201, expected 5 to 200, or 0 for the kind's own");
+            "[building] width_m: found 4, expected 5 to 500, or 0 for the kind's own");
+  EXPECT_EQ(error("office", sized(20, 501)),
+            "[building] height_m: found 501, expected 5 to 500, or 0 for the kind's own");
+  EXPECT_EQ(error("office", sized(500, 400, 0.04)),
+            "[building] resolution_m: found 0.04 for 500 x 400 m, expected at least 0.045: at most 100 "
+            "million cells");
   BuildingOptions options;
   options.corridor_m = 0.4;
   EXPECT_EQ(error("office", options),

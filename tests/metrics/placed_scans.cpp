@@ -278,5 +278,42 @@ TEST(PlacedScans, HaveNothingToSayOfAnEmptyMap) {
   EXPECT_EQ(scans.agreement().returns, 0U);
 }
 
+/// Two lidars, one before a wall and one in the open, every 0.2 m along a corridor; 2 returns each.
+PlacedScans placedAlong(const Plan& corridor, int steps, std::size_t most_points) {
+  PlacedScans scans(corridor, most_points);
+  for (int i = 0; i < steps; ++i) {
+    const double x = 0.05 + 0.2 * i;
+    scans.add({x, 0.15, kPi / 2}, {{0.1, 0}, {0.1, 0.01}});
+    scans.add({x, 0.15, -kPi / 2}, {{0.05, 0}, {0.05, 0.01}});
+  }
+  return scans;
+}
+
+TEST(PlacedScans, OfALongDriveAreHalvedEvenlyOverTheDriveAndTheLidars) {
+  const Plan corridor = drawn({std::string(2100, '.'), std::string(2100, '.'), std::string(2100, '#')});
+  const auto all = placedAlong(corridor, 1000, 4000);
+  EXPECT_EQ(all.points().size(), 4000U);
+  EXPECT_EQ(all.halvings(), 0);
+  for (const std::size_t most : {3999, 1000, 250}) {
+    const auto some = placedAlong(corridor, 1000, most);
+    EXPECT_LE(some.points().size(), most);
+    EXPECT_GT(some.points().size(), most / 3);
+    EXPECT_EQ(some.agreement().returns, some.points().size());
+    EXPECT_NEAR(some.agreement().on_wall_share, all.agreement().on_wall_share, 0.05) << most;
+    std::vector<double> x;
+    for (const Point2& p : some.points()) x.push_back(p.x);
+    EXPECT_TRUE(std::is_sorted(x.begin(), x.end(), [](double a, double b) { return a < b - 0.05; }));
+    const double widest = 200.0 / (static_cast<double>(most) / 3 / 2);  // were they as even as can be
+    for (std::size_t i = 1; i < x.size(); ++i) EXPECT_LT(x[i] - x[i - 1], 3 * widest) << most;
+  }
+}
+
+TEST(PlacedScans, KeepOneScanHoweverManyReturnsItHas) {
+  const Plan corridor = drawn({"..........", "..........", "##########"});
+  const auto one = placedAlong(corridor, 4, 1);
+  EXPECT_EQ(one.points().size(), 2U);
+  EXPECT_EQ(one.points().front().x, placedAlong(corridor, 1, 100).points().front().x);
+}
+
 }  // namespace
 }  // namespace slam::metrics

@@ -1,6 +1,7 @@
 #include "libslam/buildings/generator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "libslam/buildings/generator/site.h"
@@ -8,6 +9,8 @@
 
 namespace slam::buildings {
 namespace {
+
+constexpr double kMostCells = 1e8;  ///< 500 x 500 m at 0.05 m
 
 struct Drawer {
   BuildingKind kind;
@@ -66,9 +69,19 @@ void tidy(world::Plan& plan) {
 }
 
 void requireSize(const char* key, double size_m) {
-  if (size_m < 5 || size_m > 200)
+  if (size_m < 5 || size_m > 500)
     throw core::InputError("[building] " + std::string(key) + ": found " + files::formatNumber(size_m) +
-                           ", expected 5 to 200, or 0 for the kind's own");
+                           ", expected 5 to 500, or 0 for the kind's own");
+}
+
+void requireCells(const BuildingOptions& o) {
+  const double cells = o.width_m / o.resolution_m * (o.height_m / o.resolution_m);
+  if (cells > kMostCells)
+    throw core::InputError(
+        "[building] resolution_m: found " + files::formatNumber(o.resolution_m) + " for " +
+        files::formatNumber(o.width_m) + " x " + files::formatNumber(o.height_m) + " m, expected at least " +
+        files::formatNumber(std::ceil(1e3 * std::sqrt(o.width_m * o.height_m / kMostCells)) / 1e3) +
+        ": at most 100 million cells");
 }
 
 }  // namespace
@@ -77,8 +90,8 @@ const files::ParameterTable<BuildingOptions>& BuildingOptions::table() {
   using O = BuildingOptions;
   static const files::ParameterTable<O> rows(
       "building",
-      {{"width_m", &O::width_m, 0.0, 0.0, 200.0, "outer width, 5 to 200; 0 = the kind's own"},
-       {"height_m", &O::height_m, 0.0, 0.0, 200.0, "outer height, 5 to 200; 0 = the kind's own"},
+      {{"width_m", &O::width_m, 0.0, 0.0, 500.0, "outer width, 5 to 500; 0 = the kind's own"},
+       {"height_m", &O::height_m, 0.0, 0.0, 500.0, "outer height, 5 to 500; 0 = the kind's own"},
        {"resolution_m", &O::resolution_m, 0.05, 0.02, 0.1, "side of a cell"},
        {"corridor_m", &O::corridor_m, 0.0, 0.0, 8.0,
         "clear width of corridors, aisles or tunnels, 1 to 8; 0 = the kind's own"},
@@ -121,6 +134,7 @@ GeneratedBuilding generateBuilding(const std::string& kind, const BuildingOption
   orOwn(o.width_m, drawer->kind.width_m), orOwn(o.height_m, drawer->kind.height_m);
   orOwn(o.corridor_m, drawer->kind.corridor_m), orOwn(o.room_m, drawer->kind.room_m);
   requireSize("width_m", o.width_m), requireSize("height_m", o.height_m);
+  requireCells(o);
   if (o.corridor_m < 1)
     throw core::InputError("[building] corridor_m: found " + files::formatNumber(o.corridor_m) +
                            ", expected 1 to 8, or 0 for the kind's own");
