@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/draw/outline.h"
 #include "libslam/draw/page_text.h"
 #include "libslam/table/number_text.h"
 #include "libslam/table/table.h"
@@ -41,10 +41,6 @@ std::string encodedPng(const cv::Mat& picture) {
   if (!cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9}))
     throw core::IoError("OpenCV cannot encode a PNG");
   return {bytes.begin(), bytes.end()};
-}
-
-bool isFinitePoint(const core::Point2& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y);
 }
 
 }  // namespace
@@ -86,22 +82,14 @@ std::string differencePng(const pictures::MapDifference& difference, const draw:
 }
 
 std::string pathOutline(const std::vector<core::Point2>& points, double tolerance_m) {
-  std::string outline;
-  for (size_t begin = 0; begin < points.size();) {
-    std::vector<cv::Point2f> piece;
-    for (; begin < points.size() && isFinitePoint(points[begin]); ++begin)
-      piece.emplace_back(static_cast<float>(points[begin].x), static_cast<float>(-points[begin].y));
-    if (!piece.empty()) {
-      std::vector<cv::Point2f> few;
-      cv::approxPolyDP(piece, few, tolerance_m, false);
-      outline += "M";
-      for (const auto& p : few) outline += table::fixed(p.x, 2) + " " + table::fixed(p.y, 2) + " ";
-      outline.back() = few.size() == 1 ? 'z' : ' ';
-    }
-    ++begin;
+  std::string text;
+  for (const auto& piece : draw::outline(points, tolerance_m)) {
+    text += "M";
+    for (const auto& p : piece) text += table::fixed(p.x, 2) + " " + table::fixed(-p.y, 2) + " ";
+    text.back() = piece.size() == 1 ? 'z' : ' ';
   }
-  if (!outline.empty() && outline.back() == ' ') outline.pop_back();
-  return outline;
+  if (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
 }
 
 const std::vector<ErrorClass>& errorClasses() {

@@ -26,9 +26,7 @@ std::string differencePng(const pictures::MapDifference& difference, const draw:
                           double cell_m);
 inline constexpr int kMostPixels = 1000;
 
-/// A path's outline for an SVG whose units are metres, y down: the fewest of its points that draw the same
-/// line to within `tolerance_m` (Douglas and Peucker, Cartographica 10(2), 1973). Breaks at points that are
-/// not finite.
+/// A path's outline for an SVG whose units are metres, y down: draw::outline() as text. A place is a dot.
 std::string pathOutline(const std::vector<core::Point2>& points, double tolerance_m);
 
 /// Classes of error, the same in every report, so that colours compare.

@@ -60,6 +60,11 @@ std::vector<core::Point2> placesOf(const core::Trajectory& path) {
   return places;
 }
 
+/// Of so many things every so-many-th makes no more than `most`.
+size_t strideOf(size_t count, size_t most) {
+  return std::max<size_t>(1, (count + most - 1) / most);
+}
+
 /// Over width_m x height_m from the origin; empty rasters give a plane without a picture.
 std::shared_ptr<CTexturedPlane> sheet(const RasterImage& image, double resolution_m) {
   const double texel_m = resolution_m * image.reduction;
@@ -229,10 +234,14 @@ Layer graphLayer(const std::vector<core::Point2>& nodes, const std::vector<Conne
   auto layer = named(CSetOfObjects::Create(), kGraphLayer);
   auto lines = CSetOfLines::Create();
   lines->setColor_u8(colourOf(draw::kGreen, kEdgeAlpha));
-  for (const auto& [from, to] : edges) lines->appendLine(from.x, from.y, 0, to.x, to.y, 0);
+  for (size_t i = 0; i < edges.size(); i += strideOf(edges.size(), kMostEdges)) {
+    const auto& [from, to] = edges[i];
+    lines->appendLine(from.x, from.y, 0, to.x, to.y, 0);
+  }
   auto dots = Triangles::Create();
   dots->enableLight(false);
-  for (const auto& node : nodes) addDisc(*dots, node, line_m, kSheet_m, draw::kGreen);
+  for (size_t i = 0; i < nodes.size(); i += strideOf(nodes.size(), kMostDots))
+    addDisc(*dots, nodes[i], line_m, kSheet_m, draw::kGreen);
   layer->insert(lines);
   layer->insert(dots);
   return layer;

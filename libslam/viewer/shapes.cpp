@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "libslam/core/elementary.h"
+#include "libslam/draw/outline.h"
 
 namespace slam::viewer {
 namespace {
@@ -54,14 +55,9 @@ void addLine(Triangles& set, const core::Point2& from, const core::Point2& to, d
 
 void addPolyline(Triangles& set, const std::vector<core::Point2>& points, double width_m, double z_m,
                  draw::Colour colour, std::uint8_t alpha) {
-  // Pieces shorter than a quarter of the width would only be more triangles.
-  size_t last = 0;
-  for (size_t i = 1; i < points.size(); ++i) {
-    const bool is_short = core::distance(points[last], points[i]) < width_m / 4;
-    if (is_short && i + 1 < points.size()) continue;
-    addLine(set, points[last], points[i], width_m, z_m, colour, alpha);
-    last = i;
-  }
+  for (const auto& piece : draw::outline(points, width_m / 8))
+    for (size_t i = 1; i < piece.size(); ++i)
+      addLine(set, piece[i - 1], piece[i], width_m, z_m, colour, alpha);
 }
 
 void addDisc(Triangles& set, const core::Point2& centre, double radius_m, double z_m, draw::Colour colour,

@@ -19,6 +19,8 @@ void addPolygon(Triangles& set, const std::vector<core::Point2>& corners, double
 /// A straight line with its width; a line without length is a dot.
 void addLine(Triangles& set, const core::Point2& from, const core::Point2& to, double width_m, double z_m,
              draw::Colour colour, std::uint8_t alpha = 255);
+/// With as few pieces as draw the same to an eighth of its width (draw::outline()): a path of years takes no
+/// more than what it covers. Breaks at points that are not finite.
 void addPolyline(Triangles& set, const std::vector<core::Point2>& points, double width_m, double z_m,
                  draw::Colour colour, std::uint8_t alpha = 255);
 void addDisc(Triangles& set, const core::Point2& centre, double radius_m, double z_m, draw::Colour colour,

@@ -257,8 +257,42 @@ TEST(Layers, LeaveOutWhatIsNotFinite) {
       std::dynamic_pointer_cast<mrpt::opengl::CSetOfTriangles>(particlesLayer({{nan, 0, 0}, {0, 0, 0}}, 0.1));
   EXPECT_EQ(particles->getTrianglesCount(), 1U);
   const auto whole = std::dynamic_pointer_cast<mrpt::opengl::CSetOfTriangles>(
-      pathLayer({{0, {0, 0, 0}}, {1, {1, 0, 0}}, {2, {2, 0, 0}}}, 0.1));
+      pathLayer({{0, {0, 0, 0}}, {1, {1, 0, 0}}, {2, {2, 1, 0}}}, 0.1));
   EXPECT_EQ(whole->getTrianglesCount(), 4U);  // two pieces
+}
+
+size_t trianglesOfPath(const core::Trajectory& path, double line_m) {
+  return std::dynamic_pointer_cast<mrpt::opengl::CSetOfTriangles>(pathLayer(path, line_m))
+      ->getTrianglesCount();
+}
+
+TEST(Layers, DrawAPathWithNoMorePiecesThanItsWidthShows) {
+  core::Trajectory there_and_back, round;
+  for (int i = 0; i <= 4000; ++i) {
+    const double way_m = i <= 2000 ? 0.01 * i : 40 - 0.01 * i;
+    there_and_back.push_back({0.1 * i, {way_m, 0.002 * (i % 2), 0}});
+    round.push_back({0.1 * i, core::Pose2{0, 0, 1e-3 * core::kPi * i / 2} * core::Pose2{5, 0, 0}});
+  }
+  EXPECT_EQ(trianglesOfPath(there_and_back, 0.1), 4U);
+  EXPECT_EQ(trianglesOfPath({{0, {1, 1, 0}}, {1, {1, 1, 0}}}, 0.1), 2U);  // a dot
+  EXPECT_GT(trianglesOfPath(round, 0.1), 50U);
+  EXPECT_LT(trianglesOfPath(round, 0.1), 200U);
+  const double nan = std::nan("");
+  EXPECT_EQ(trianglesOfPath(
+                {{0, {0, 0, 0}}, {1, {1, 0, 0}}, {2, {nan, 0, 0}}, {3, {5, 0, 0}}, {4, {6, 0, 0}}}, 0.1),
+            4U);
+}
+
+TEST(Layers, DrawALargeGraphThinned) {
+  const auto trianglesOf = [](size_t nodes) {
+    const std::vector<core::Point2> places(nodes, {1, 2});
+    const auto layer =
+        std::dynamic_pointer_cast<mrpt::opengl::CSetOfObjects>(graphLayer(places, {{{0, 0}, {1, 0}}}, 0.1));
+    return std::dynamic_pointer_cast<mrpt::opengl::CSetOfTriangles>(*std::next(layer->begin()))
+        ->getTrianglesCount();
+  };
+  EXPECT_EQ(trianglesOf(kMostDots), 24 * kMostDots);
+  EXPECT_EQ(trianglesOf(kMostDots + 1), 24 * ((kMostDots + 2) / 2));
 }
 
 }  // namespace
