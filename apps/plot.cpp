@@ -245,7 +245,7 @@ void addPlotJournal(CLI::App& plot, Context& context) {
 
 void addPlot(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand(
-      "plot", "figures as PNG, SVG or PDF: maps, errors, seeds, stress, exploration, a scan, plans");
+      "plot", "figures as PNG, SVG or PDF: maps, errors, cost, seeds, stress, exploration, a scan, plans");
   command->require_subcommand(1);
   command->footer(
       "Examples:\n"

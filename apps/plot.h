@@ -33,7 +33,7 @@ void sayPicture(const Context& context, const nlohmann::ordered_json& facts, con
 
 // An operation log replayed: path, and the naive map's dots where the scans are at hand.
 void addPlotOperations(CLI::App& plot, Context& context);
-// Figures of what other commands wrote: map, paths, errors, seeds, stress, exploration.
+// Figures of what other commands wrote: map, paths, errors, cost, seeds, stress, exploration.
 void addPlotResults(CLI::App& plot, Context& context);
 
 }  // namespace slam::apps

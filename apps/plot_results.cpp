@@ -7,6 +7,7 @@
 #include "libslam/draw/axis_title.h"
 #include "libslam/files/files.h"
 #include "libslam/files/word_list.h"
+#include "libslam/pages/cost_chart.h"
 #include "libslam/pages/coverage_chart.h"
 #include "libslam/pages/figures.h"
 #include "libslam/pages/report_data.h"
@@ -48,6 +49,23 @@ report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
   auto page = pages::gatherReport(folder, progress);
   keepMethods(arguments, folder, page);
   return page;
+}
+
+std::vector<report::ReportPage> pagesOf(const Context& context, const Arguments& arguments) {
+  std::vector<report::ReportPage> pages;
+  for (const auto& folder : arguments.inputs) {
+    ConsoleProgress progress(context.quiet);
+    pages.push_back(pages::gatherReport(folder, progress));
+    keepMethods(arguments, folder, pages.back());
+  }
+  return pages;
+}
+
+void sayLines(const Context& context, const draw::Chart& chart, const std::string& file) {
+  auto lines = nlohmann::ordered_json::array();
+  for (const auto& curve : chart.curves)
+    if (curve.style == draw::Curve::Style::kLine) lines.push_back(curve.label);
+  sayPicture(context, {{"file", file}, {"lines", lines}}, file);
 }
 
 int plotMap(const Context& context, const Arguments& arguments) {
@@ -97,20 +115,20 @@ int plotErrors(const Context& context, const Arguments& arguments) {
   return 0;
 }
 
+int plotCost(const Context& context, const Arguments& arguments) {
+  const auto [file, paper] = picturePlace(context, *arguments.how, "cost.png");
+  const auto chart = pages::costChart(pagesOf(context, arguments), arguments.inputs, !arguments.is_linear);
+  draw::drawCharts({chart}, arguments.title, file, paper);
+  sayLines(context, chart, file);
+  return 0;
+}
+
 int plotConsistency(const Context& context, const Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "consistency.png");
-  std::vector<report::ReportPage> pages;
-  for (const auto& folder : arguments.inputs) {
-    ConsoleProgress progress(context.quiet);
-    pages.push_back(pages::gatherReport(folder, progress));
-    keepMethods(arguments, folder, pages.back());
-  }
+  const auto pages = pagesOf(context, arguments);
   const auto chart = pages::coverageChart(pages, arguments.inputs.front());
   draw::drawCharts({chart}, arguments.title, file, paper);
-  auto lines = nlohmann::ordered_json::array();
-  for (const auto& curve : chart.curves)
-    if (curve.style == draw::Curve::Style::kLine) lines.push_back(curve.label);
-  sayPicture(context, {{"file", file}, {"lines", lines}}, file);
+  sayLines(context, chart, file);
   return 0;
 }
 
@@ -214,6 +232,16 @@ void addErrorsPlot(CLI::App& plot, Context& context) {
   command->footer("Example:\n  rasterslam plot errors out -o errors.pdf --width 85mm");
 }
 
+void addCostPlot(CLI::App& plot, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  auto* command = addKind(plot, context, arguments, "cost", "CPU time a scan over the scans: mean and 99 %",
+                          kOfRuns, asMutable<plotCost>);
+  command->get_option("input")->expected(1, 100);
+  addMethods(command, arguments);
+  addLinear(command, arguments);
+  command->footer("Example:\n  rasterslam plot cost out -o cost.pdf --width 85mm");
+}
+
 void addConsistencyPlot(CLI::App& plot, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   auto* command = addKind(plot, context, arguments, "consistency",
@@ -271,8 +299,8 @@ void addExplorationPlot(CLI::App& plot, Context& context) {
 }  // namespace
 
 void addPlotResults(CLI::App& plot, Context& context) {
-  for (const auto add : {addMapPlot, addPathsPlot, addErrorsPlot, addConsistencyPlot, addSeedsPlot,
-                         addStressPlot, addExplorationPlot})
+  for (const auto add : {addMapPlot, addPathsPlot, addErrorsPlot, addCostPlot, addConsistencyPlot,
+                         addSeedsPlot, addStressPlot, addExplorationPlot})
     add(plot, context);
 }
 

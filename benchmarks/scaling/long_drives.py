@@ -3,9 +3,14 @@
 
   benchmarks/scaling/long_drives.py [-p PROGRAM] [-w WORK] [-c CASES] [--hours H] [--visits N]
 
-A flat and a generated office for so many hours, `graph` as it is and with every keyframe kept (graph.known_views=0). Then
+CASES: flat, office, million, large.
+flat, office: a flat and a generated office for so many hours, `graph` as it is and with every keyframe kept (graph.known_views=0). Then
 visits of 15 minutes to an office whose furniture moves, each going on in the map of the one before. Nothing was tuned on the
 offices; the flat was looked at. Prints benchmarks/results/scaling.txt and writes scaling.csv beside it.
+
+million: 1,000,000 scans in an office of 100 x 100 m (56 hours, 89 km). large: 25,000 s (11 km) in an office of 500 x 500 m. `graph`
+alone, as it is; together a quarter of an hour, 3 GB of disk. Prints benchmarks/results/scaling_large.txt, writes scaling_large.csv, and
+draws the cost over the scans, scaling_large.png.
 """
 import argparse
 import csv
@@ -20,6 +25,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 RESULTS = ROOT / "benchmarks" / "results"
 COLUMNS = ["case", "known_views", "scans", "second_tenth_ms", "last_tenth_ms", "p99_ms", "worst_ms", "key_frames", "memory_mb",
            "ate_final_m", "wall_f1"]
+LARGE_COLUMNS = ["case", "scans", "path_m", "mean_ms", *COLUMNS[3:-2], "ate_online_m", *COLUMNS[-2:]]
 
 
 def parse_arguments():
@@ -58,9 +64,11 @@ def measure(program, run, truth, plan, case, known_views):
     score = json.loads(call(program, "eval", run, "--truth", truth, "--plan", plan, "--json"))
     accuracy, cost = (score[table]["rows"][0] for table in ("scores", "cost"))
     keyframes = sum(line.startswith("VERTEX_SE2") for line in (run / "graph.g2o").open())
-    return dict(zip(COLUMNS, (case, known_views, len(times), sum(in_order[tenth:2 * tenth]) / tenth,
-                              sum(in_order[-tenth:]) / tenth, times[int(0.99 * len(times))], times[-1], keyframes,
-                              cost["peak_memory_mb"], accuracy["ate_final_m"], accuracy.get("wall_f1"))))
+    return {"case": case, "known_views": known_views, "scans": len(times), "path_m": accuracy["path_length_m"],
+            "mean_ms": sum(times) / len(times), "second_tenth_ms": sum(in_order[tenth:2 * tenth]) / tenth,
+            "last_tenth_ms": sum(in_order[-tenth:]) / tenth, "p99_ms": times[int(0.99 * len(times))], "worst_ms": times[-1],
+            "key_frames": keyframes, "memory_mb": cost["peak_memory_mb"], "ate_online_m": accuracy["ate_rmse_m"],
+            "ate_final_m": accuracy["ate_final_m"], "wall_f1": accuracy.get("wall_f1")}
 
 
 def map_log(program, folder, log, name, known_views, *more):
@@ -86,6 +94,24 @@ def long_drives(arguments, folder):
             yield measure(program, run, log.with_suffix(".gt.tum"), plan, f"{case}, {arguments.hours:g} h", known_views)
 
 
+LARGE = {"million": ("office, 100 x 100 m", "100x100", 200000), "large": ("office, 500 x 500 m", "500x500", 25000)}
+
+
+def large_drives(arguments, folder):
+    program = arguments.program
+    for name, (case, size, duration_s) in LARGE.items():
+        if name not in arguments.cases.split(","):
+            continue
+        plan, log = folder / f"{name}.yaml", folder / f"{name}.rawlog"
+        if not log.exists():
+            call(program, "world", "make", "office", "-o", plan, "--size", size, "--seed", 21, "-q")
+            call(program, "simulate", plan, "-o", log, "--seed", 1, "--duration", duration_s, "-q")
+        run = map_log(program, folder, log, f"{name}-graph", "default")
+        yield measure(program, run, log.with_suffix(".gt.tum"), plan, case, "default")
+        if name == "million":
+            call(program, "plot", "cost", run, "-o", RESULTS / "scaling_large.png", "--width", "85mm", "--linear", "--overwrite", "-q")
+
+
 def visits(arguments, folder):
     program = arguments.program
     for visit in range(1, arguments.visits + 1):
@@ -109,6 +135,9 @@ def shown(value):
 
 def main():
     arguments = parse_arguments()
+    is_large = arguments.cases.split(",")[0] in LARGE
+    kinds, columns, name = ((large_drives,), LARGE_COLUMNS, "scaling_large") if is_large else (
+        (long_drives, visits), COLUMNS, "scaling")
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(arguments.work or temporary)
         folder.mkdir(parents=True, exist_ok=True)
@@ -116,15 +145,17 @@ def main():
         print(f"Made by: benchmarks/scaling/long_drives.py{cases}" + "".join(
             f" --{key} {getattr(arguments, key):g}" for key, usual in (("hours", 3), ("visits", 10))
             if getattr(arguments, key) != usual))
-        print("\nCPU time a scan; MB of the whole program. known_views 0: every keyframe is kept.\n")
-        print("  ".join(f"{column:>15}" for column in COLUMNS))
-        with open(RESULTS / "scaling.csv", "w", newline="") as file:
-            table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        print("\nCPU time a scan; MB of the whole program while it maps." + (
+            "" if is_large else " known_views 0: every keyframe is kept.") + "\n")
+        width = 19 if is_large else 15
+        print("  ".join(f"{column:>{width}}" for column in columns))
+        with open(RESULTS / f"{name}.csv", "w", newline="") as file:
+            table = csv.DictWriter(file, columns, lineterminator="\n", extrasaction="ignore")
             table.writeheader()
-            for kind in (long_drives, visits):
+            for kind in kinds:
                 for row in kind(arguments, folder):
                     table.writerow({key: shown(value) for key, value in row.items()})
-                    print("  ".join(f"{shown(row[column]):>15}" for column in COLUMNS))
+                    print("  ".join(f"{shown(row[column]):>{width}}" for column in columns))
                     sys.stdout.flush()
 
 

@@ -143,7 +143,7 @@ TEST(Plot, DrawsAComparisonInEveryFormat) {
   const auto compared =
       rasterslam("compare flat --methods naive_wheel,icp,graph --duration 3 -o out -q", folder.path());
   ASSERT_EQ(compared.exit_code, 0) << compared.err;
-  for (const std::string kind : {"map", "paths", "errors", "consistency"}) {
+  for (const std::string kind : {"map", "paths", "errors", "cost", "consistency"}) {
     for (const std::string extension : {"pdf", "svg", "png"}) {
       const auto file = kind + "." + extension;
       const auto drawn = rasterslam("plot " + kind + " out --width 85mm -o " + file, folder.path());
@@ -152,7 +152,9 @@ TEST(Plot, DrawsAComparisonInEveryFormat) {
     }
     EXPECT_THAT(files::readTextFile(folder / (kind + ".svg")), HasSubstr("width=\"85mm\""));
     EXPECT_THAT(files::readTextFile(folder / (kind + ".svg")),
-                HasSubstr(kind == "consistency" ? ">graph final</text>" : ">icp</text>"));
+                HasSubstr(kind == "consistency" ? ">graph final</text>"
+                          : kind == "cost"      ? ">icp, mean</text>"
+                                                : ">icp</text>"));
     EXPECT_EQ(cv::imread(folder / (kind + ".png")).cols, 1004);  // 300 dpi
   }
   const auto one = rasterslam("plot paths out -q --methods icp -o one.svg --json", folder.path());
