@@ -9,6 +9,7 @@
 #include "apps/console.h"
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
+#include "libslam/logs/relations_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/reach/reach_goal.h"
 #include "libslam/resources/ini_yaml.h"
@@ -21,7 +22,7 @@ namespace slam::apps {
 namespace {
 
 struct Arguments {
-  std::string method, log, continued, localised, lidars;
+  std::string method, log, continued, localised, lidars, relations;
   std::string start;  ///< x_m,y_m,yaw_deg
   bool journal = false, keep_partial = false;
   int threads = 1;
@@ -68,6 +69,7 @@ run::BuildOptions buildOptions(const Arguments& arguments, record::StepObserver&
   options.continuation = continuationOf(arguments);
   if (!arguments.localised.empty()) options.observer = &of_localising;
   options.keep_partial = arguments.keep_partial;
+  if (!arguments.relations.empty()) options.relations = logs::readRelations(arguments.relations);
   options.threads = arguments.threads;
   return options;
 }
@@ -207,6 +209,10 @@ void addRun(CLI::App& app, Context& context) {
       ->check(CLI::Range(1, 256));
   command->add_option("--lidars", arguments->lidars,
                       "sensor labels of the lidars to use, as front,rear (default: all 2D scanners)");
+  command->add_option(
+      "--relations", arguments->relations,
+      "relations of the log: covariances_relative.csv says how sure the method is of them, for "
+      "'eval --relations'");
   addOutput(command, context, "folder to write (default: the method's name)");
   addSeed(command, context);
   addConfig(command, context);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "libslam/core/error.h"
@@ -21,8 +22,19 @@ using Pairs = std::vector<std::pair<int, int>>;
 
 constexpr const char* kHeader = "kind,first_s,second_s,xx,xy,xphi,yy,yphi,phiphi";
 constexpr size_t kColumns = 9;
-constexpr std::array<std::pair<Kind, const char*>, 3> kNames = {
-    {{Kind::kMetre, "1m"}, {Kind::kTenMetres, "10m"}, {Kind::kLoop, "loop"}}};
+constexpr std::array<std::pair<Kind, const char*>, 4> kNames = {
+    {{Kind::kMetre, "1m"}, {Kind::kTenMetres, "10m"}, {Kind::kLoop, "loop"}, {Kind::kRelation, "relation"}}};
+
+/// Stamps agree to a microsecond.
+long long microseconds(double time_s) {
+  return std::llround(time_s * 1e6);
+}
+
+std::optional<double> neesOf(const core::Pose2& told, const core::Pose2& is,
+                             const Eigen::Matrix3d& covariance) {
+  const Eigen::Vector3d error(told.x - is.x, told.y - is.y, core::angleDifference(told.phi, is.phi));
+  return stats::normalizedErrorSquared(error, covariance);
+}
 
 Pairs spread(Pairs pairs) {
   if (pairs.size() <= kMostPairs) return pairs;
@@ -59,6 +71,18 @@ Pairs loopEnds(const std::vector<core::JournalEntry>& journal, std::size_t poses
   return spread(std::move(pairs));
 }
 
+Pairs pairsOf(const core::Relations& relations, const core::Trajectory& path) {
+  std::map<long long, int> index;
+  for (size_t i = 0; i < path.size(); ++i) index.emplace(microseconds(path[i].time_s), static_cast<int>(i));
+  Pairs pairs;
+  for (const auto& relation : relations) {
+    const auto first = index.find(microseconds(relation.from_time_s)),
+               second = index.find(microseconds(relation.to_time_s));
+    if (first != index.end() && second != index.end()) pairs.emplace_back(first->second, second->second);
+  }
+  return pairs;
+}
+
 void writeRelativeCovariances(const std::vector<RelativeCovariance>& covariances, const std::string& path) {
   std::string text = std::string(kHeader) + "\n";
   for (const auto& one : covariances) {
@@ -87,7 +111,7 @@ std::vector<RelativeCovariance> readRelativeCovariances(const std::string& path)
     });
     if (known == kNames.end())
       throw core::InputError(reader.place() + ": found '" + std::string(reader.record()) +
-                             "', expected 1m, 10m or loop and 8 numbers (" + kHeader + ")");
+                             "', expected 1m, 10m, loop or relation and 8 numbers (" + kHeader + ")");
     std::array<double, kColumns - 1> v{};
     for (size_t i = 0; i < v.size(); ++i) v[i] = files::csvNumber(fields[i + 1], reader.place());
     RelativeCovariance one{known->first, v[0], v[1], {}};
@@ -111,9 +135,25 @@ std::vector<double> relativeNees(const core::Trajectory& truth, const core::Traj
     if (one.kind != kind) continue;
     const auto is = between(truth, one), as_told = between(estimate, one);
     if (!is || !as_told) continue;
-    const Eigen::Vector3d error(as_told->x - is->x, as_told->y - is->y,
-                                core::angleDifference(as_told->phi, is->phi));
-    nees.push_back(stats::normalizedErrorSquared(error, one.covariance)
+    nees.push_back(neesOf(*as_told, *is, one.covariance).value_or(std::numeric_limits<double>::infinity()));
+  }
+  return nees;
+}
+
+std::vector<double> relationNees(const core::Relations& relations, const core::Trajectory& estimate,
+                                 const std::vector<RelativeCovariance>& covariances) {
+  std::map<std::pair<long long, long long>, const RelativeCovariance*> of_stamps;
+  for (const auto& one : covariances)
+    if (one.kind == Kind::kRelation)
+      of_stamps.emplace(std::pair(microseconds(one.first_s), microseconds(one.second_s)), &one);
+  std::vector<double> nees;
+  for (const auto& relation : relations) {
+    const auto known = of_stamps.find({microseconds(relation.from_time_s), microseconds(relation.to_time_s)});
+    core::Pose2 first, second;
+    if (known == of_stamps.end() || !metrics::poseAt(estimate, relation.from_time_s, first) ||
+        !metrics::poseAt(estimate, relation.to_time_s, second))
+      continue;
+    nees.push_back(neesOf(core::between(first, second), relation.T_from_to, known->second->covariance)
                        .value_or(std::numeric_limits<double>::infinity()));
   }
   return nees;

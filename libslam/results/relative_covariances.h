@@ -6,13 +6,14 @@
 
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
+#include "libslam/core/relation.h"
 
 namespace slam::results {
 
 /// How sure a method is of one of its final poses as another one sees it: of x (m), y (m), phi (rad) of the
 /// second in the first one's frame.
 struct RelativeCovariance {
-  enum class Kind { kMetre, kTenMetres, kLoop };
+  enum class Kind { kMetre, kTenMetres, kLoop, kRelation };
   Kind kind;
   double first_s, second_s;  ///< stamps of the poses
   Eigen::Matrix3d covariance;
@@ -25,7 +26,11 @@ inline constexpr std::size_t kMostPairs = 500;
 std::vector<std::pair<int, int>> pairsApart(const core::Trajectory& path, double apart_m);
 std::vector<std::pair<int, int>> loopEnds(const std::vector<core::JournalEntry>& journal, std::size_t poses);
 
-/// A file "kind,first_s,second_s,xx,xy,xphi,yy,yphi,phiphi", kind 1m, 10m or loop. Errors: IoError;
+/// The poses of every relation, where the path has both stamps (to 1 microsecond; of several the first).
+std::vector<std::pair<int, int>> pairsOf(const core::Relations& relations, const core::Trajectory& path);
+
+/// A file "kind,first_s,second_s,xx,xy,xphi,yy,yphi,phiphi", kind 1m, 10m, loop
+/// or relation. Errors: IoError;
 /// InputError with file and line for what is no such row, and for a file that ends amid a line.
 void writeRelativeCovariances(const std::vector<RelativeCovariance>& covariances, const std::string& path);
 std::vector<RelativeCovariance> readRelativeCovariances(const std::string& path);
@@ -36,5 +41,9 @@ std::vector<RelativeCovariance> readRelativeCovariances(const std::string& path)
 std::vector<double> relativeNees(const core::Trajectory& truth, const core::Trajectory& estimate,
                                  const std::vector<RelativeCovariance>& covariances,
                                  RelativeCovariance::Kind kind);
+/// The same of the relations that have a covariance (of kind kRelation), against what they say. They are
+/// taken for the truth: what their annotation errs by counts as the method's error.
+std::vector<double> relationNees(const core::Relations& relations, const core::Trajectory& estimate,
+                                 const std::vector<RelativeCovariance>& covariances);
 
 }  // namespace slam::results

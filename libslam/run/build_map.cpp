@@ -187,8 +187,8 @@ struct Ending {
 /// A method at its last work.
 class Finisher {
  public:
-  Finisher(mapping::MapBuilder& method, MapRun& run, const Taken& taken, bool keep_partial)
-      : method_(method), run_(run), taken_(taken), keep_partial_(keep_partial) {}
+  Finisher(mapping::MapBuilder& method, MapRun& run, const Taken& taken, const BuildOptions& options)
+      : method_(method), run_(run), taken_(taken), options_(options) {}
 
   void finish() {
     const double begin_s = process::threadCpuSeconds();
@@ -220,6 +220,7 @@ class Finisher {
     add(Kind::kMetre, results::pairsApart(path, 1));
     add(Kind::kTenMetres, results::pairsApart(path, 10));
     add(Kind::kLoop, results::loopEnds(mapping::journalOf(method_), path.size()));
+    add(Kind::kRelation, results::pairsOf(options_.relations, path));
     const auto told = mapping::relativeCovariances(method_, pairs);
     for (size_t i = 0; i < told.size(); ++i)
       ending_.relative.push_back({kinds[i], path[static_cast<size_t>(pairs[i].first)].time_s,
@@ -227,13 +228,13 @@ class Finisher {
   }
 
   void ask(const std::function<void()>& work) {
-    stoppable(run_, taken_, keep_partial_, [&] { results::insideMethod(work); });
+    stoppable(run_, taken_, options_.keep_partial, [&] { results::insideMethod(work); });
   }
 
   mapping::MapBuilder& method_;
   MapRun& run_;
   const Taken& taken_;
-  bool keep_partial_;
+  const BuildOptions& options_;
   Ending ending_;
 };
 
@@ -356,7 +357,7 @@ MapRun buildMap(const std::string& log_path, const files::IniFile& method_config
   progress.end();
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
 
-  Finisher finisher(method, run, taken, options.keep_partial);
+  Finisher finisher(method, run, taken, options);
   finisher.finish();
   run.path_length_m = core::pathLength(run.estimate);
   run.end = run.estimate.back().pose;

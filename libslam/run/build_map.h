@@ -6,6 +6,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/core/relation.h"
 #include "libslam/files/ini.h"
 #include "libslam/record/step_observer.h"
 #include "libslam/resources/manifest.h"
@@ -46,6 +47,9 @@ struct BuildOptions {
   bool measure_memory = true;  ///< only makes sense while nothing else runs in this process
   Continuation continuation = {};
   record::StepObserver* observer = nullptr;
+  /// Of the log: how sure the method is of their poses goes into covariances_relative.csv, of their stamps
+  /// only.
+  core::Relations relations = {};
   bool keep_partial = false;  ///< an interrupt keeps what was mapped until then
   int threads = 1;  ///< 2: when all scans are in, they are held against the map while that is written
 };

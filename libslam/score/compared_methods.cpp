@@ -8,6 +8,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/thread_team.h"
+#include "libslam/logs/relations_io.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/process/worker.h"
 #include "libslam/resources/file_hash.h"
@@ -54,6 +55,7 @@ void runInProcess(const ComparedMethod& method, const std::string& log_path, con
       request.program, "run",         method.argument, log_path, "-o",
       method.folder,   "--overwrite", "--json",        "--seed", std::to_string(request.seed)};
   if (request.quiet) command.emplace_back("--quiet");
+  if (!request.relations_path.empty()) command.insert(command.end(), {"--relations", request.relations_path});
   for (const auto& setting : method.settings) command.insert(command.end(), {"--set", setting});
   const auto result = process::runWorker(command, progress);
   if (result.exit_code == 0) return;
@@ -75,8 +77,11 @@ void runMethod(ComparedMethod& method, const std::string& log_path, const Compar
                const resources::Manifest& manifest, core::Progress& progress) {
   try {
     if (!request.program.empty()) return runInProcess(method, log_path, request, progress);
+    run::BuildOptions options;
+    options.measure_memory = false;  // other methods run in this process
+    if (!request.relations_path.empty()) options.relations = logs::readRelations(request.relations_path);
     const auto run = run::buildMap(log_path, method.config, method.name, request.seed, method.folder, true,
-                                   manifest, progress, {false});
+                                   manifest, progress, options);
     if (run.stopped) throw core::MethodError(keptText(results::stopText(*run.stopped)));
   } catch (const core::MethodError& error) {
     method.failure = error.what();

@@ -1,7 +1,12 @@
 #include "libslam/score/relation_tables.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+
+#include "libslam/results/pose_covariances.h"
+#include "libslam/results/relative_covariances.h"
+#include "libslam/stats/consistency.h"
 
 namespace slam::score {
 namespace {
@@ -58,13 +63,33 @@ std::string motionText(const core::Pose2& T) {
   return text;
 }
 
+/// The last columns, where any path has them.
+void addStated(const std::vector<RelationScore>& scores, Detail detail, table::Table& table) {
+  if (std::none_of(scores.begin(), scores.end(), [](const auto& score) { return score.anees.has_value(); }))
+    return;
+  const auto add = [&](const table::Column& column, std::optional<double> RelationScore::*figure) {
+    table.columns.push_back(column);
+    for (size_t i = 0; i < scores.size(); ++i) {
+      const auto& value = scores[i].*figure;
+      table.rows[i].push_back(value ? table::CellValue(*value) : table::CellValue(std::string()));
+    }
+  };
+  if (detail == Detail::kFull) add({"anees", "ANEES", 2}, &RelationScore::anees);
+  add({"within_95_share", "95 %", 3}, &RelationScore::within_95_share);
+}
+
 }  // namespace
 
 std::vector<RelationScore> scoreByRelations(const results::RunFolder& run, const core::Relations& relations) {
   const auto online = metrics::relationError(relations, run.estimate);
   if (!run.final_estimate) return {{run.method, online}};
-  return {{run.method + " final", metrics::relationError(relations, *run.final_estimate)},
-          {run.method + " online", online}};
+  RelationScore final_score{run.method + " final", metrics::relationError(relations, *run.final_estimate)};
+  const auto nees = results::relationNees(relations, *run.final_estimate, run.relative_covariances);
+  if (const auto stated = stats::consistency({nees}, results::kPoseDegreesOfFreedom)) {
+    final_score.anees = stated->anees.value;
+    final_score.within_95_share = stated->coverage95.value;
+  }
+  return {final_score, {run.method + " online", online}};
 }
 
 table::Table relationTable(const std::vector<RelationScore>& scores, Detail detail) {
@@ -78,6 +103,7 @@ table::Table relationTable(const std::vector<RelationScore>& scores, Detail deta
     table.columns.push_back(figure.column);
     for (size_t i = 0; i < scores.size(); ++i) table.rows[i].emplace_back(figure.of(scores[i].error));
   }
+  addStated(scores, detail, table);
   table.notes = {
       "A relation's pose is the path's with the same stamp, to a microsecond; where there is none it is "
       "interpolated "
@@ -85,6 +111,11 @@ table::Table relationTable(const std::vector<RelationScore>& scores, Detail deta
       "counted; a "
       "relation with a stamp outside the path's time span is not scored. +- is the sample's standard "
       "deviation."};
+  if (table.columns.back().key == "within_95_share")
+    table.notes.emplace_back(
+        "95 %: share of the relations within the 95 % region that the method claims for them. Were they "
+        "exact "
+        "and the claims true, it were 0.95; what their annotation errs by counts as the method's error.");
   for (const auto& score : scores)
     if (score.error.unmatched > 0)
       table.notes.push_back(score.path + ": " + std::to_string(score.error.unmatched) +

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ namespace slam::score {
 struct RelationScore {
   std::string path;  ///< whose: "icp", "rbpf final"
   metrics::RelationError error;
+  /// ANEES of the relations, and the share of them within the 95 % region that the method claims for its pose
+  /// as the other one sees it: of final paths with relative covariances (results::relationNees()).
+  std::optional<double> anees = {}, within_95_share = {};
 };
 
 /// Of a run: its path, or where the method corrects its past the final path first and then the one given
@@ -21,7 +25,8 @@ struct RelationScore {
 std::vector<RelationScore> scoreByRelations(const results::RunFolder& run, const core::Relations& relations);
 
 /// One row per path: mean, deviation and maximum of the translational and of the rotational error (Kümmerle
-/// et al. 2009), how many relations were scored; kFull also the squares and medians. The notes state how
+/// et al. 2009), how many relations were scored; kFull also the squares and medians. Where a path has
+/// covariances of them the share within the claimed 95 % region; kFull also ANEES. The notes state how
 /// poses at the relations' stamps are found.
 table::Table relationTable(const std::vector<RelationScore>& scores, Detail detail);
 

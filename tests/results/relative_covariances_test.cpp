@@ -58,18 +58,22 @@ Eigen::Matrix3d full() {
 
 TEST(RelativeCovariances, ReadWhatTheyWrite) {
   const testing::TempFolder folder;
-  writeRelativeCovariances({{Kind::kMetre, 1.5e9 + 0.25, 1.5e9 + 2, full()}, {Kind::kLoop, 3, 4, 2 * full()}},
+  writeRelativeCovariances({{Kind::kMetre, 1.5e9 + 0.25, 1.5e9 + 2, full()},
+                            {Kind::kLoop, 3, 4, 2 * full()},
+                            {Kind::kRelation, 4, 3, full()}},
                            folder / "r.csv");
   const auto read = readRelativeCovariances(folder / "r.csv");
-  ASSERT_EQ(read.size(), 2U);
+  ASSERT_EQ(read.size(), 3U);
+  EXPECT_EQ(read[2].kind, Kind::kRelation);
   EXPECT_EQ(read[0].kind, Kind::kMetre);
   EXPECT_EQ(read[0].first_s, 1.5e9 + 0.25);
   EXPECT_LT((read[0].covariance - full()).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_EQ(read[1].kind, Kind::kLoop);
   EXPECT_EQ(read[1].second_s, 4);
   std::ofstream(folder / "b.csv") << "kind,first_s,second_s,xx,xy,xphi,yy,yphi,phiphi\n2m,0,1,1,0,0,1,0,1\n";
-  EXPECT_THAT(errorOf([&] { readRelativeCovariances(folder / "b.csv"); }),
-              HasSubstr("b.csv:2: found '2m,0,1,1,0,0,1,0,1', expected 1m, 10m or loop and 8 numbers"));
+  EXPECT_THAT(
+      errorOf([&] { readRelativeCovariances(folder / "b.csv"); }),
+      HasSubstr("b.csv:2: found '2m,0,1,1,0,0,1,0,1', expected 1m, 10m, loop or relation and 8 numbers"));
   std::ofstream(folder / "c.csv") << "1m,0,1,1,0,0,1,0,6.728546";
   EXPECT_THAT(errorOf([&] { readRelativeCovariances(folder / "c.csv"); }),
               HasSubstr("c.csv: ends amid a line"));
@@ -94,6 +98,36 @@ TEST(RelativeCovariances, AreHeldAgainstTheTrueMotionWhateverTheFrames) {
   EXPECT_NEAR(nees[1], 4, 1e-9);
   EXPECT_THAT(relativeNees(truth, estimate, told, Kind::kLoop), ElementsAre(HUGE_VAL));
   EXPECT_THAT(relativeNees(truth, estimate, told, Kind::kTenMetres), IsEmpty());
+}
+
+TEST(RelativeCovariances, AreAskedOfRelationsByTheirStamps) {
+  const auto path = straight(4);
+  const core::Relations relations = {{3, 1, {}}, {0, 2.0000004, {}}, {0, 2.5, {}}, {-1, 2, {}}, {1, 9, {}}};
+  EXPECT_THAT(pairsOf(relations, path), ElementsAre(Pair(3, 1), Pair(0, 2)));
+  core::Trajectory twice = path;
+  twice.insert(twice.begin() + 1, {0, {5, 5, 5}});  // of equal stamps the first
+  EXPECT_THAT(pairsOf({{0, 1, {}}}, twice), ElementsAre(Pair(0, 2)));
+}
+
+TEST(RelativeCovariances, AreHeldAgainstWhatRelationsSay) {
+  core::Trajectory estimate = straight(4);
+  for (auto& stamped : estimate) stamped.pose = core::Pose2{7, -3, 2} * stamped.pose;
+  const Eigen::Matrix3d sigmas = Eigen::Vector3d(0.01, 0.25, 0.25).asDiagonal();  // 0.1 m, 0.5 m, 0.5 rad
+  const std::vector<RelativeCovariance> told = {{Kind::kRelation, 0, 2, sigmas},
+                                                {Kind::kRelation, 3, 1, sigmas},
+                                                {Kind::kMetre, 1, 3, sigmas},
+                                                {Kind::kRelation, 1, 2, Eigen::Matrix3d::Zero()}};
+  const core::Pose2 T_0_2 = core::between(estimate[0].pose, estimate[2].pose),
+                    T_3_1 = core::between(estimate[3].pose, estimate[1].pose);
+  const auto nees = relationNees({{0, 2, T_0_2 * core::Pose2{0.2, 0, 0}},
+                                  {3, 1, {T_3_1.x, T_3_1.y - 0.5, T_3_1.phi}},
+                                  {1, 3, {}},
+                                  {1, 2, {}}},
+                                 estimate, told);
+  ASSERT_EQ(nees.size(), 3U);  // of the third no covariance is of a relation
+  EXPECT_NEAR(nees[0], 4, 1e-9);
+  EXPECT_NEAR(nees[1], 1, 1e-9);
+  EXPECT_EQ(nees[2], HUGE_VAL);
 }
 
 }  // namespace

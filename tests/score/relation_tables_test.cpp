@@ -60,6 +60,25 @@ TEST(RelationTables, ShowTheFiguresAndTheRuleByWhichPosesWereFound) {
   EXPECT_GT(relationTable(scores, Detail::kFull).columns.size(), table.columns.size());
 }
 
+TEST(RelationTables, HoldTheRelationsAgainstTheCovariancesThatTheMethodClaims) {
+  auto run = runWith(kPath);
+  run.final_estimate = kPath;  // 0.1 m and 0.1 rad off in the second relation
+  EXPECT_EQ(relationTable(scoreByRelations(run, kTwo), Detail::kShort).columns.back().key, "interpolated");
+  using Kind = results::RelativeCovariance::Kind;
+  const Eigen::Matrix3d sigmas = Eigen::Vector3d(0.0025, 1, 0.0025).asDiagonal();  // 0.05 m, 1 m, 0.05 rad
+  run.relative_covariances = {{Kind::kRelation, 1, 2, sigmas}, {Kind::kRelation, 1, 3, sigmas}};
+  const auto scores = scoreByRelations(run, kTwo);
+  EXPECT_NEAR(scores[0].anees.value(), (0 + 4 + 4) / 2.0 / 3, 1e-9);
+  EXPECT_EQ(scores[0].within_95_share, 0.5);  // 8 is beyond 7.81
+  EXPECT_FALSE(scores[1].anees);
+  const auto table = relationTable(scores, Detail::kShort);
+  EXPECT_EQ(table.columns.back().key, "within_95_share");
+  EXPECT_EQ(std::get<double>(table.rows[0].back()), 0.5);
+  EXPECT_EQ(std::get<std::string>(table.rows[1].back()), "");
+  EXPECT_THAT(table.notes.at(1), HasSubstr("95 % region that the method claims"));
+  EXPECT_EQ(relationTable(scores, Detail::kFull).columns.end()[-2].key, "anees");
+}
+
 TEST(RelationTables, SayOfTheWorstWhenWhatAndHowFarOff) {
   const auto scores = scoreByRelations(runWith(kPath), kTwo);
   const auto table = worstRelationsTable(kTwo, scores, Detail::kShort);
