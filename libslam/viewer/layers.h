@@ -69,9 +69,9 @@ Layer particlesLayer(const std::vector<core::Pose2>& particles, double length_m)
 
 /// A line between two places.
 using Connection = std::pair<core::Point2, core::Point2>;
-/// Keyframes as dots and what ties them, map frame. Of more than kMostDots or kMostEdges every so-many-th,
-/// which on a screen is as many as can be told apart.
+/// A graph is drawn with at most so many; of more every so-many-th, as many as a screen tells apart.
 inline constexpr std::size_t kMostDots = 5000, kMostEdges = 20000;
+/// Keyframes as dots and what ties them, map frame.
 Layer graphLayer(const std::vector<core::Point2>& nodes, const std::vector<Connection>& edges, double line_m);
 /// Loops that a method has closed, map frame.
 Layer loopsLayer(const std::vector<Connection>& loops, double line_m);

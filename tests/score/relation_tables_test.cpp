@@ -64,7 +64,7 @@ TEST(RelationTables, ShowTheFiguresAndTheRuleByWhichPosesWereFound) {
 }
 
 TEST(RelationTables, HoldTheRelationsAgainstTheCovariancesThatTheMethodClaims) {
-  auto run = runWith(kPath);
+  auto run = runWith({{1, {0, 0, 0}}, {2, {5, 0, 0}}, {3, {9, 0, 0}}});
   run.final_estimate = kPath;  // 0.1 m and 0.1 rad off in the second relation
   EXPECT_EQ(relationTable(scoreByRelations(run, kTwo), Detail::kShort).columns.back().key, "scored");
   using Kind = results::RelativeCovariance::Kind;
