@@ -47,11 +47,11 @@ struct BuildOptions {
   bool measure_memory = true;  ///< only makes sense while nothing else runs in this process
   Continuation continuation = {};
   record::StepObserver* observer = nullptr;
-  /// Of the log: how sure the method is of their poses goes into covariances_relative.csv, of their stamps
-  /// only.
-  core::Relations relations = {};
   bool keep_partial = false;  ///< an interrupt keeps what was mapped until then
   int threads = 1;  ///< 2: when all scans are in, they are held against the map while that is written
+  /// Of the log: how sure the method is of the motion between their stamps goes into
+  /// covariances_relative.csv. What they say of it is not looked at.
+  core::Relations relations = {};
 };
 
 /// Runs a SLAM method over a log and writes a folder:
