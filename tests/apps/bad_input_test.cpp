@@ -102,8 +102,8 @@ TEST(BadInput, BuildingsThatCannotBe) {
   expectRefusal(folder, "world make hospitl", 3, "did you mean 'hospital'?");
   expectRefusal(folder, "world make office --size 80", 3, "--size: found '80', expected width x height");
   expectRefusal(folder, "world make office --size 80x4", 3, "--size: found '80x4', expected width x height");
-  expectRefusal(folder, "world make office --size 80x500", 3,
-                "--size: section [building], key 'height_m': found '500', expected a number from 0 to 200");
+  expectRefusal(folder, "world make office --size 80x501", 3,
+                "--size: section [building], key 'height_m': found '501', expected a number from 0 to 500");
   expectRefusal(folder, "world make office --size nanx20", 3, "--size: found 'nanx20'");
   expectRefusal(folder, "world make hospital --size 9x7", 3, "found 9 x 7, expected at least ");
   expectRefusal(folder, "world make cave --resolution 0.5", 3,
