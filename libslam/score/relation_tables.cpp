@@ -48,8 +48,8 @@ const std::vector<Column>& figures() {
       {{"rotation_square_deviation_deg2", "deg2 +-", 4},
        true,
        [](const E& e) { return e.rotation_rad.square_deviation * kDeg * kDeg; }},
-      {{"scored", "scored", 0}, false, [](const E& e) { return static_cast<double>(e.scored); }},
-      {{"interpolated", "between stamps", 0},
+      {{"scored", "n", 0}, false, [](const E& e) { return static_cast<double>(e.scored); }},
+      {{"interpolated", "off stamp", 0},
        false,
        [](const E& e) { return static_cast<double>(e.interpolated); }},
       {{"unmatched", "unmatched", 0}, true, [](const E& e) { return static_cast<double>(e.unmatched); }},
@@ -100,11 +100,6 @@ table::Table relationTable(const std::vector<RelationScore>& scores, Detail deta
   for (const auto& score : scores) table.rows.push_back({score.path});
   for (const auto& figure : figures()) {
     if (figure.only_full && detail == Detail::kShort) continue;
-    // Where all stamps are the path's, as in most logs, a column of zeros only takes room.
-    const auto isZero = [&](const auto& score) { return figure.of(score.error) == 0; };
-    if (figure.column.key == "interpolated" && detail == Detail::kShort &&
-        std::all_of(scores.begin(), scores.end(), isZero))
-      continue;
     table.columns.push_back(figure.column);
     for (size_t i = 0; i < scores.size(); ++i) table.rows[i].emplace_back(figure.of(scores[i].error));
   }
