@@ -41,6 +41,13 @@ TEST(CostChart, DrawsTheMeanAndTheQuantileOfEachHundredthOfTheScans) {
   EXPECT_FALSE(chart.y_log);
 }
 
+TEST(CostChart, CountsManyScansInThousands) {
+  const auto chart = costChart({pageOf("graph", 20000)}, {"out"}, false);
+  EXPECT_EQ(chart.x_title, "scan (thousands)");
+  EXPECT_EQ(curveOf(chart, "graph, mean").points.back().x, 19.9);
+  EXPECT_EQ(costChart({pageOf("graph", 10000)}, {"out"}, false).x_title, "scan");
+}
+
 TEST(CostChart, OfAShortLogHasAtLeastTenScansToAPoint) {
   EXPECT_EQ(curveOf(costChart({pageOf("icp", 45)}, {"o"}, true), "icp, mean").points.size(), 4U);
   const auto three = costChart({pageOf("icp", 3)}, {"o"}, true);
