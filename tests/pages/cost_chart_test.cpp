@@ -5,6 +5,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/testing/error_of.h"
+#include "tests/pages/curve_of.h"
 
 namespace slam::pages {
 namespace {
@@ -20,12 +21,6 @@ report::ReportPage pageOf(const std::string& method, std::size_t scans) {
   }
   page.runs.push_back(run);
   return page;
-}
-
-const draw::Curve& curveOf(const draw::Chart& chart, const std::string& label) {
-  for (const auto& curve : chart.curves)
-    if (curve.label == label) return curve;
-  throw core::ContractError("no curve " + label);
 }
 
 TEST(CostChart, DrawsTheMeanAndTheQuantileOfEachHundredthOfTheScans) {

@@ -8,6 +8,7 @@
 #include "libslam/core/error.h"
 #include "libslam/stats/consistency.h"
 #include "libslam/testing/error_of.h"
+#include "tests/pages/curve_of.h"
 
 namespace slam::pages {
 namespace {
@@ -30,12 +31,6 @@ report::ReportPage pageWith(const std::string& method, std::vector<double> onlin
   run.nees = std::move(online), run.nees_final = std::move(final_poses);
   page.runs.push_back(run);
   return page;
-}
-
-const draw::Curve& curveOf(const draw::Chart& chart, const std::string& label) {
-  for (const auto& curve : chart.curves)
-    if (curve.label == label) return curve;
-  throw core::ContractError("no curve " + label);
 }
 
 TEST(CoverageChart, TrueCovariancesLieOnTheDiagonal) {
