@@ -41,7 +41,10 @@ TEST(TableTitles, LeaveTheTablesOfRealLogsInOnePart) {
 
   RelationScore score;
   score.path = "particles online";
+  score.error.translation_m = {0.1450, 0.3695, 0.1576, 1.2, 0.05, 3.000};
+  score.error.rotation_rad = {0.0076, 0.0096, 1.5e-4, 1e-3, 0.003, 0.11};
   score.error.scored = 23000;
+  score.within_95_share = 0.94;
   const auto relations = relationTable({score}, Detail::kShort);
   const auto shown = table::toText({"", relations.columns, relations.rows, {}});
   EXPECT_LE(widestLine(shown), 80U);
