@@ -3,7 +3,7 @@
 
   benchmarks/scaling/long_drives.py [-p PROGRAM] [-w WORK] [-c CASES] [--hours H] [--visits N]
 
-CASES: flat, office, million, large.
+CASES: some of flat and office, or some of million and large.
 flat, office: a flat and a generated office for so many hours, `graph` as it is and with every keyframe kept (graph.known_views=0). Then
 visits of 15 minutes to an office whose furniture moves, each going on in the map of the one before. Nothing was tuned on the
 offices; the flat was looked at. Prints benchmarks/results/scaling.txt and writes scaling.csv beside it.
@@ -26,6 +26,7 @@ RESULTS = ROOT / "benchmarks" / "results"
 COLUMNS = ["case", "known_views", "scans", "second_tenth_ms", "last_tenth_ms", "p99_ms", "worst_ms", "key_frames", "memory_mb",
            "ate_final_m", "wall_f1"]
 LARGE_COLUMNS = ["case", "scans", "path_m", "mean_ms", *COLUMNS[3:-2], "ate_online_m", *COLUMNS[-2:]]
+LARGE = {"million": ("office, 100 x 100 m", "100x100", 200000), "large": ("office, 500 x 500 m", "500x500", 25000)}
 
 
 def parse_arguments():
@@ -37,6 +38,9 @@ def parse_arguments():
     parser.add_argument("--visits", type=int, default=10)
     arguments = parser.parse_args()
     arguments.program = str(pathlib.Path(arguments.program).resolve())
+    cases = set(arguments.cases.split(","))
+    if not (cases <= {"flat", "office"} or cases <= set(LARGE)):
+        parser.error(f"--cases: found '{arguments.cases}', expected some of flat and office, or some of million and large")
     return arguments
 
 
@@ -92,9 +96,6 @@ def long_drives(arguments, folder):
         for known_views in ("default", 0):
             run = map_log(program, folder, log, f"{case}-{known_views}", known_views)
             yield measure(program, run, log.with_suffix(".gt.tum"), plan, f"{case}, {arguments.hours:g} h", known_views)
-
-
-LARGE = {"million": ("office, 100 x 100 m", "100x100", 200000), "large": ("office, 500 x 500 m", "500x500", 25000)}
 
 
 def large_drives(arguments, folder):
