@@ -119,19 +119,19 @@ done
 case "$verb" in
   build)
     install_missing "${packages[@]}"
-    build release 13 programs
+    build release 7 programs
     say "the program is build/release/apps/rasterslam"
     ;;
   demo)
     install_missing "${packages[@]}"
-    build release 13 programs
+    build release 7 programs
     build/release/apps/rasterslam demo "${arguments[@]}"
     ;;
   test)
     install_missing "${packages[@]}"
     mapfile -t extras < <(available_packages "${format_packages[@]}" "${oracle_packages[@]}")
     install_missing "${extras[@]}"
-    build release 20
+    build release 15
     ctest --preset release -j "$(nproc)" "${arguments[@]}"
     ;;
   schedulers)
@@ -156,12 +156,12 @@ case "$verb" in
     ;;
   bench)
     install_missing "${packages[@]}" "${bench_packages[@]}"
-    build bench 20
+    build bench 15
     build/release/benchmarks/rasterslam_bench "${arguments[@]}"
     ;;
   package)
     install_missing "${packages[@]}" "${package_packages[@]}"
-    build package 13
+    build package 7
     (cd build/package && cpack >&2)
     lintian --fail-on error build/package/packages/*.deb
     say "install them with: apt-get install ./build/package/packages/*.deb"
@@ -177,7 +177,7 @@ case "$verb" in
     ;;
   clang)
     install_missing "${packages[@]}" "${clang_packages[@]}"
-    build clang 20
+    build clang 15
     ctest --preset clang -j "$(nproc)" "${arguments[@]}"
     ;;
   sanitize)
@@ -200,7 +200,7 @@ case "$verb" in
     ;;
   attack)
     install_missing "${packages[@]}"
-    build release 13 programs
+    build release 7 programs
     cmake --build --preset release --target rasterslam_faults >&2
     attacked=0
     tests/fuzz/campaign.py build/release/apps/rasterslam "${arguments[@]}" || attacked=1

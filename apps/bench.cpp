@@ -26,7 +26,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct BenchArguments {
   std::string suite, shard, cell;
   std::vector<std::string> folders;  ///< of merge
   sweep::SubmitRequest submission;
@@ -35,7 +35,7 @@ struct Arguments {
   bool resume = false, retry = false, check = false, go = false;
 };
 
-int plan(const Context& context, const Arguments& arguments) {
+int plan(const Context& context, const BenchArguments& arguments) {
   const auto sweep = sweep::planSweep(arguments.suite);
   const auto table = sweep::planTable(sweep.plan);
   if (context.json)
@@ -55,7 +55,7 @@ void setShard(const std::string& text, sweep::SweepRequest& request) {
     throw core::InputError("--shard: found '" + text + "', expected i/n with i from 1 to n, such as 2/8");
 }
 
-sweep::SweepRequest requestOf(const Context& context, const Arguments& arguments) {
+sweep::SweepRequest requestOf(const Context& context, const BenchArguments& arguments) {
   sweep::SweepRequest request;
   request.output = context.output;
   request.program = context.programPath();
@@ -78,7 +78,7 @@ void describe(const Context& context, const sweep::SweepOutcome& outcome) {
   for (const auto& line : outcome.lost) std::fprintf(stderr, "rasterslam: %s\n", line.c_str());
 }
 
-int execute(const Context& context, const Arguments& arguments) {
+int execute(const Context& context, const BenchArguments& arguments) {
   auto request = requestOf(context, arguments);
   request.resume = true;
   ConsoleProgress progress(context.quiet), cell_progress(true);
@@ -151,7 +151,7 @@ int reportMerged(const Context& context, const GateFlags& flags, const summary::
   return exitCode(merged, gate);
 }
 
-int merge(const Context& context, const Arguments& arguments) {
+int merge(const Context& context, const BenchArguments& arguments) {
   summary::MergeRequest request;
   for (const auto& folder : arguments.folders)
     request.folders.push_back(std::filesystem::path(folder).lexically_normal().string());
@@ -162,7 +162,7 @@ int merge(const Context& context, const Arguments& arguments) {
   return reportMerged(context, arguments.gate, merged, request.output);
 }
 
-int submit(const Context& context, const Arguments& arguments) {
+int submit(const Context& context, const BenchArguments& arguments) {
   const auto sweep = sweep::planSweep(arguments.suite);
   const auto script =
       sweep::writeSubmission(sweep, requestOf(context, arguments), arguments.submission, context.manifest());
@@ -177,7 +177,7 @@ int submit(const Context& context, const Arguments& arguments) {
 }
 
 /// Everything: cells, then tables, also of what an interrupt has left.
-int bench(const Context& context, const Arguments& arguments) {
+int bench(const Context& context, const BenchArguments& arguments) {
   if (arguments.suite.empty())
     throw core::InputError("bench: no suite named, expected the sweep's .ini or .yaml");
   const auto sweep = sweep::planSweep(arguments.suite);
@@ -215,18 +215,18 @@ int workOnCell(const CellArguments& arguments) {
   return 0;
 }
 
-void addSuite(CLI::App* command, Arguments& arguments) {
+void addSuite(CLI::App* command, BenchArguments& arguments) {
   command->add_option("suite", arguments.suite, "the sweep's .ini or .yaml: see configs/suites")->required();
 }
 
-void addJobs(CLI::App* command, Arguments& arguments) {
+void addJobs(CLI::App* command, BenchArguments& arguments) {
   command->add_option("-j,--jobs", arguments.jobs, "cells side by side")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   command->add_flag("--retry", arguments.retry, "do cells again that failed");
 }
 
-void addPlan(CLI::App& bench, Context& context, const std::shared_ptr<Arguments>& arguments) {
+void addPlan(CLI::App& bench, Context& context, const std::shared_ptr<BenchArguments>& arguments) {
   auto* command = bench.add_subcommand("plan", "list the cells of a sweep, and do nothing");
   addSuite(command, *arguments);
   addJson(command, context);
@@ -235,7 +235,7 @@ void addPlan(CLI::App& bench, Context& context, const std::shared_ptr<Arguments>
   });
 }
 
-void addExec(CLI::App& bench, Context& context, const std::shared_ptr<Arguments>& arguments) {
+void addExec(CLI::App& bench, Context& context, const std::shared_ptr<BenchArguments>& arguments) {
   auto* command = bench.add_subcommand("exec", "do a part of a sweep, without tables; goes on where it was");
   addSuite(command, *arguments);
   command->add_option("--shard", arguments->shard, "i/n: the i-th of n parts");
@@ -249,7 +249,7 @@ void addExec(CLI::App& bench, Context& context, const std::shared_ptr<Arguments>
   });
 }
 
-void addMerge(CLI::App& bench, Context& context, const std::shared_ptr<Arguments>& arguments) {
+void addMerge(CLI::App& bench, Context& context, const std::shared_ptr<BenchArguments>& arguments) {
   auto* command = bench.add_subcommand("merge", "check a sweep, bring its parts together, write its tables");
   command->add_option("folders", arguments->folders, "of one sweep, or of its parts")->required();
   command->add_option("-o,--output", context.output, "folder of the whole (default: the first)");
@@ -263,7 +263,7 @@ void addMerge(CLI::App& bench, Context& context, const std::shared_ptr<Arguments
   });
 }
 
-void addSubmit(CLI::App& bench, Context& context, const std::shared_ptr<Arguments>& arguments) {
+void addSubmit(CLI::App& bench, Context& context, const std::shared_ptr<BenchArguments>& arguments) {
   auto* command =
       bench.add_subcommand("submit", "write the scripts that hand a sweep to GNU parallel or Slurm");
   addSuite(command, *arguments);
@@ -316,7 +316,7 @@ void addCell(CLI::App& bench, Context& context) {
 void addBench(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("bench", "sweep methods over worlds, lidars, faults and seeds");
   command->require_subcommand(0, 1);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<BenchArguments>();
   command->add_option("suite", arguments->suite, "the sweep's .ini or .yaml: see configs/suites");
   addJobs(command, *arguments);
   command->add_flag("--resume", arguments->resume, "keep the cells that are complete");

@@ -13,7 +13,7 @@ namespace slam::apps {
 namespace {
 using nlohmann::ordered_json;
 
-struct Arguments {
+struct CheckArguments {
   std::string log, lidar;
 };
 
@@ -147,7 +147,7 @@ void printFindings(const std::vector<doctor::Finding>& findings) {
   }
 }
 
-int checkLog(const Context& context, const Arguments& arguments) {
+int checkLog(const Context& context, const CheckArguments& arguments) {
   ConsoleProgress progress(context.quiet);
   const auto check = doctor::checkLog(arguments.log, arguments.lidar, progress);
   if (context.json) {
@@ -182,7 +182,7 @@ std::string footer() {
 
 void addCheck(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("check", "say what is wrong with a log, and what to do about it");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CheckArguments>();
   command->add_option("log", arguments->log, "a log of any format that is read here")->required();
   command->add_option("--label", arguments->lidar,
                       "the lidar to look at (default: the one with the most scans)");

@@ -14,7 +14,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   std::string input, truth, plan, relations;
   std::vector<std::string> methods = defaultMethods();
   SimulationFlags flags;
@@ -31,7 +31,7 @@ bool isOfMethods(const std::string& setting) {
   return false;
 }
 
-int compareMethods(const Context& context, const Arguments& arguments) {
+int compareMethods(const Context& context, const CompareArguments& arguments) {
   score::CompareRequest request;
   const bool is_plan = resources::looksLikePlan(arguments.input);
   Context simulation = context;
@@ -94,7 +94,7 @@ int compareMethods(const Context& context, const Arguments& arguments) {
 
 void addCompare(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("compare", "run several methods on one log or plan; prints a table");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CompareArguments>();
   command
       ->add_option("input", arguments->input,
                    "a log (MRPT rawlog, CARMEN, ...), or a plan to simulate a log in")

@@ -15,7 +15,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct ContestArguments {
   study::ContestRequest request;
   int jobs = 1;
   bool resume = false;
@@ -35,7 +35,7 @@ void writeStandings(const study::Standings& standings, const std::string& folder
   resources::writeManifest(manifest, folder + "/manifest.json");
 }
 
-int hold(const Context& context, Arguments& arguments) {
+int hold(const Context& context, ContestArguments& arguments) {
   auto& request = arguments.request;
   request.seed = context.seed;
   if (request.suite_path.empty()) request.suite_path = resources::configsFolder() + "/suites/contest.ini";
@@ -82,7 +82,7 @@ int hold(const Context& context, Arguments& arguments) {
 void addContest(CLI::App& app, Context& context) {
   auto* command =
       app.add_subcommand("contest", "rank methods and plug-ins in buildings that none of them has seen");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ContestArguments>();
   auto& request = arguments->request;
   command->add_option("entries", request.entries, "methods by name, or .ini files (rasterslam new method)")
       ->required();

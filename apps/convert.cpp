@@ -20,7 +20,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct ConvertArguments {
   std::string in, out, to, form, label, path = "odometry";
 };
 
@@ -50,7 +50,7 @@ const std::vector<Target>& targets() {
   return all;
 }
 
-const Target& targetOf(const Arguments& arguments) {
+const Target& targetOf(const ConvertArguments& arguments) {
   const auto ends = [&arguments](const std::string& suffix) {
     const auto& out = arguments.out;
     return out.size() > suffix.size() && out.compare(out.size() - suffix.size(), suffix.size(), suffix) == 0;
@@ -67,7 +67,7 @@ const Target& targetOf(const Arguments& arguments) {
                          ", or --to with one of " + names);
 }
 
-std::optional<rawlogs::RawlogForm> formOf(const Arguments& arguments, const Target& target) {
+std::optional<rawlogs::RawlogForm> formOf(const ConvertArguments& arguments, const Target& target) {
   if (arguments.form.empty()) return std::nullopt;
   if (target.log != logs::LogFormat::kRawlog)
     throw core::InputError("--form: is of rawlogs, expected none with --to " + target.name);
@@ -80,7 +80,8 @@ void print(const nlohmann::ordered_json& summary) {
   std::cout << summary.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
 }
 
-int printReport(const Context& context, const Arguments& arguments, const logs::ConversionReport& report) {
+int printReport(const Context& context, const ConvertArguments& arguments,
+                const logs::ConversionReport& report) {
   if (context.json) {
     print({{"from", logs::formatName(report.from)},
            {"files", report.files},
@@ -113,7 +114,7 @@ int printReport(const Context& context, const Arguments& arguments, const logs::
   return 0;
 }
 
-int printPoses(const Context& context, const Arguments& arguments, size_t poses) {
+int printPoses(const Context& context, const ConvertArguments& arguments, size_t poses) {
   if (context.json)
     print({{"files", {arguments.out}}, {"poses", poses}});
   else
@@ -135,7 +136,7 @@ bool isTrajectory(const std::string& path) {
   return false;
 }
 
-int convertOperations(const Context& context, const Arguments& arguments, const std::string& to,
+int convertOperations(const Context& context, const ConvertArguments& arguments, const std::string& to,
                       const sim::OriginalUnits& units) {
   files::refuseToOverwrite(arguments.out, context.overwrite);
   const auto [operations, is_original] = readOperationFile(arguments.in, units);
@@ -155,7 +156,7 @@ int convertOperations(const Context& context, const Arguments& arguments, const 
   return 0;
 }
 
-int convert(const Context& context, const Arguments& arguments, const sim::OriginalUnits& units) {
+int convert(const Context& context, const ConvertArguments& arguments, const sim::OriginalUnits& units) {
   const Target& target = targetOf(arguments);
   const auto form = formOf(arguments, target);
   if (arguments.path != "odometry" && arguments.path != "truth")
@@ -191,7 +192,7 @@ int convert(const Context& context, const Arguments& arguments, const sim::Origi
 void addConvert(CLI::App& app, Context& context) {
   auto* command =
       app.add_subcommand("convert", "write a log, a trajectory or an operation log again in another format");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ConvertArguments>();
   command
       ->add_option("in", arguments->in,
                    "a log (told by its content, also within .gz .bz2 .xz), a trajectory (TUM, CSV, MRPT's "

@@ -12,11 +12,11 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct DiffArguments {
   std::string before, after;
 };
 
-int diff(const Context& context, const Arguments& arguments) {
+int diff(const Context& context, const DiffArguments& arguments) {
   const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph");
   const std::string folder = context.output.empty() ? "changes" : context.output;
   ConsoleProgress progress(context.quiet);
@@ -31,7 +31,7 @@ int diff(const Context& context, const Arguments& arguments) {
 
 void addDiff(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("diff", "what has changed from one map of a place to a later one");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DiffArguments>();
   command
       ->add_option("before", arguments->before,
                    "folder of a run, or its map.simplemap; or a grid: ROS map yaml, .gridmap.gz")

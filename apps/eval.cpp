@@ -22,7 +22,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct EvalArguments {
   std::string folder, truth, plan, relations, align, map_truth, rpe;
   GateFlags gate;
 };
@@ -47,7 +47,7 @@ void print(const Context& context, const std::vector<std::pair<std::string, tabl
 }
 
 /// Of a run's folder, or of a trajectory by itself.
-int evaluateByRelations(const Context& context, const Arguments& arguments) {
+int evaluateByRelations(const Context& context, const EvalArguments& arguments) {
   if (!arguments.truth.empty() || !arguments.plan.empty())
     throw core::InputError("--relations: is a truth of its own, expected no --truth and no --plan beside it");
   const auto relations = logs::readRelations(arguments.relations);
@@ -76,7 +76,7 @@ const std::vector<std::pair<std::string, metrics::Align>>& alignments() {
   return all;
 }
 
-score::Alignment alignmentOf(const Arguments& arguments, const resources::Manifest& manifest) {
+score::Alignment alignmentOf(const EvalArguments& arguments, const resources::Manifest& manifest) {
   score::Alignment alignment = score::alignmentOf(manifest);
   for (const auto& [name, how] : alignments())
     if (arguments.align == name) alignment.how = how;
@@ -107,7 +107,7 @@ void warnOfOtherTruth(const Context& context, const core::Trajectory& truth, con
                       files::formatNumber(std::round(100 * agreement) / 100) + ")");
 }
 
-int evaluatePath(const Context& context, const Arguments& arguments, const results::RunFolder& path) {
+int evaluatePath(const Context& context, const EvalArguments& arguments, const results::RunFolder& path) {
   if (arguments.truth.empty())
     throw core::InputError(arguments.folder +
                            ": is a file, expected a run's folder, or --truth or --relations beside it");
@@ -127,7 +127,7 @@ int evaluatePath(const Context& context, const Arguments& arguments, const resul
   return 0;
 }
 
-int evaluateRun(const Context& context, const Arguments& arguments) {
+int evaluateRun(const Context& context, const EvalArguments& arguments) {
   if (!arguments.relations.empty()) return evaluateByRelations(context, arguments);
   const auto run_folder = loadRunOrPath(arguments.folder);
   if (run_folder.path == arguments.folder && !std::filesystem::is_directory(arguments.folder))
@@ -175,7 +175,7 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
 
 void addEval(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("eval", "score the folder of one run, or a path by itself");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<EvalArguments>();
   command->add_option("folder", arguments->folder, "what 'rasterslam run' wrote, or a path: TUM")->required();
   command->add_option("--truth", arguments->truth, "true path: TUM, or MRPT's .GT.txt");
   command->add_option("--plan", arguments->plan,

@@ -20,7 +20,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct ExploreArguments {
   std::string plan, slam = kExplorersSlam;
   SimulationFlags flags;
   std::vector<std::string> carries;
@@ -32,7 +32,7 @@ struct Arguments {
 };
 
 /// One configuration per strategy; they are the same but for its name.
-std::vector<explore::ExploreConfig> configsOf(const Context& context, const Arguments& arguments) {
+std::vector<explore::ExploreConfig> configsOf(const Context& context, const ExploreArguments& arguments) {
   SimulationFlags flags = arguments.flags;
   auto names = files::namesIn(flags.strategy, ',');
   if (names.empty()) names.emplace_back();  // the configuration's own
@@ -47,7 +47,7 @@ std::vector<explore::ExploreConfig> configsOf(const Context& context, const Argu
 }
 
 /// What belongs to one robot alone or to several alone.
-void checkRobots(const Arguments& arguments, std::size_t strategies) {
+void checkRobots(const ExploreArguments& arguments, std::size_t strategies) {
   const auto refuse = [](const std::string& what, const std::string& found, const std::string& expected) {
     throw core::InputError(what + ": found " + found + ", expected " + expected);
   };
@@ -67,7 +67,7 @@ void checkRobots(const Arguments& arguments, std::size_t strategies) {
 
 /// What an exploration by one robot and one by several have in common.
 template <typename Request>
-Request requestOf(const Context& context, const Arguments& arguments) {
+Request requestOf(const Context& context, const ExploreArguments& arguments) {
   Request request;
   request.plan_path = resources::resolvePlan(arguments.plan);
   warnOfPlan(context, request.plan_path);
@@ -81,7 +81,7 @@ Request requestOf(const Context& context, const Arguments& arguments) {
   return request;
 }
 
-int exploreTogether(const Context& context, const Arguments& arguments,
+int exploreTogether(const Context& context, const ExploreArguments& arguments,
                     const explore::ExploreConfig& config) {
   auto request = requestOf<teams::TeamRequest>(context, arguments);
   request.config = config;
@@ -98,7 +98,7 @@ int exploreTogether(const Context& context, const Arguments& arguments,
   return static_cast<int>(result.failed ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
 }
 
-int explorePlan(const Context& context, const Arguments& arguments) {
+int explorePlan(const Context& context, const ExploreArguments& arguments) {
   auto strategies = configsOf(context, arguments);
   if (context.print_config) {
     printParameters(strategies.front().record.parameters, context.json);
@@ -124,7 +124,7 @@ int explorePlan(const Context& context, const Arguments& arguments) {
   return static_cast<int>(result.failed ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
 }
 
-void addRobots(CLI::App* command, Arguments& arguments) {
+void addRobots(CLI::App* command, ExploreArguments& arguments) {
   command->add_option("--robots", arguments.robots, "how many explore together, 1 to 4")
       ->capture_default_str();
   command->add_option("--radio-range", arguments.radio_range_m,
@@ -140,7 +140,7 @@ void addRobots(CLI::App* command, Arguments& arguments) {
 void addExplore(CLI::App& app, Context& context) {
   auto* command =
       app.add_subcommand("explore", "let a robot explore a plan by its own map; scored on the true plan");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ExploreArguments>();
   command->add_option("plan", arguments->plan, "bmp, png, pgm, jpg, a ROS map yaml, or a world by name")
       ->required();
   command

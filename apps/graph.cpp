@@ -25,7 +25,7 @@ namespace {
 using posegraph::EdgeKind;
 using posegraph::G2oGraph;
 
-struct Arguments {
+struct GraphArguments {
   std::string file, robust, from = "file";
   bool local = false;
 };
@@ -67,12 +67,12 @@ void print(const Context& context, const nlohmann::ordered_json& facts) {
     std::printf("passed over: %lu lines %s\n", lines.get<unsigned long>(), tag.c_str());
 }
 
-int info(const Context& context, const Arguments& arguments) {
+int info(const Context& context, const GraphArguments& arguments) {
   print(context, contentOf(arguments.file, posegraph::readG2oFile(arguments.file)));
   return 0;
 }
 
-posegraph::OptimizeOptions readOptions(const Context& context, const Arguments& arguments,
+posegraph::OptimizeOptions readOptions(const Context& context, const GraphArguments& arguments,
                                        std::vector<files::ParameterReport>& report) {
   files::IniFile ini;
   if (!context.config.empty()) ini = resources::readConfigFile(context.config);
@@ -96,7 +96,7 @@ GraphWriter writerFor(const std::string& path) {
                          "', expected a name that ends in .g2o or .graph (MRPT's)");
 }
 
-int convert(const Context& context, const Arguments& arguments) {
+int convert(const Context& context, const GraphArguments& arguments) {
   if (context.output.empty())
     throw core::InputError("graph convert: found no --output, expected a .g2o or .graph file to write");
   const auto write = writerFor(context.output);
@@ -128,7 +128,7 @@ void requireOnePart(const std::string& file, const G2oGraph& g2o) {
                          "; expected one, or a FIX line or a prior in each");
 }
 
-void setStart(posegraph::PoseGraph& graph, const Arguments& arguments, std::uint64_t seed) {
+void setStart(posegraph::PoseGraph& graph, const GraphArguments& arguments, std::uint64_t seed) {
   if (arguments.from == "file") return;
   posegraph::startAt(graph, arguments.from == "odometry" ? posegraph::chained(graph)
                             : arguments.from == "random" ? posegraph::scattered(graph, {seed, "start"})
@@ -153,7 +153,7 @@ void printSolved(const nlohmann::ordered_json& facts) {
   std::printf("  %s\n", facts["output"].get<std::string>().c_str());
 }
 
-int optimise(const Context& context, const Arguments& arguments) {
+int optimise(const Context& context, const GraphArguments& arguments) {
   std::vector<files::ParameterReport> parameters;
   const auto options = readOptions(context, arguments, parameters);
   if (context.print_config) {
@@ -203,7 +203,7 @@ void addGraph(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand(
       "graph", "pose graphs as files of g2o or MRPT: what is in one; solve it; convert it");
   command->require_subcommand(1);
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<GraphArguments>();
 
   auto* look = command->add_subcommand("info", "nodes, edges and chi2 of a .g2o or .graph file");
   look->add_option("file", arguments->file,

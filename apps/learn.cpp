@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kWidest = 80;
 
-struct Arguments {
+struct LearnArguments {
   std::string lesson, student, answer;
   std::vector<std::string> folders;
 };
@@ -60,13 +60,13 @@ int showLesson(const Context& context, const learn::Lesson& lesson) {
   return 0;
 }
 
-int learnLesson(const Context& context, const Arguments& arguments) {
+int learnLesson(const Context& context, const LearnArguments& arguments) {
   const auto lessons = learn::readLessons();
   if (arguments.lesson.empty()) return listLessons(context, lessons);
   return showLesson(context, learn::findLesson(lessons, arguments.lesson));
 }
 
-int startLesson(const Context& context, const Arguments& arguments) {
+int startLesson(const Context& context, const LearnArguments& arguments) {
   const auto lessons = learn::readLessons();
   const auto& lesson = learn::findLesson(lessons, arguments.lesson);
   const auto student = learn::parseStudent(arguments.student, "--student");
@@ -96,7 +96,7 @@ core::ExitCode exitCode(learn::Finding finding) {
   }
 }
 
-int checkLesson(const Context& context, const Arguments& arguments) {
+int checkLesson(const Context& context, const LearnArguments& arguments) {
   const auto lessons = learn::readLessons();
   const auto& lesson = learn::findLesson(lessons, arguments.lesson);
   learn::AnswerRequest request;
@@ -121,7 +121,7 @@ int checkLesson(const Context& context, const Arguments& arguments) {
   return static_cast<int>(exitCode(verdict.finding));
 }
 
-int gradeFolders(const Context& context, const Arguments& arguments) {
+int gradeFolders(const Context& context, const LearnArguments& arguments) {
   if (!context.output.empty()) files::refuseToOverwrite(context.output, context.overwrite);
   const auto lessons = learn::readLessons();
   const auto folders = learn::studentFolders(arguments.folders);
@@ -138,12 +138,12 @@ int gradeFolders(const Context& context, const Arguments& arguments) {
   return 0;
 }
 
-void addStudent(CLI::App* command, Arguments& arguments) {
+void addStudent(CLI::App* command, LearnArguments& arguments) {
   command->add_option("--student", arguments.student,
                       "the student's number, from 1: each has another building");
 }
 
-void addStart(CLI::App& learn, Context& context, const std::shared_ptr<Arguments>& arguments) {
+void addStart(CLI::App& learn, Context& context, const std::shared_ptr<LearnArguments>& arguments) {
   auto* command = learn.add_subcommand("start", "make a student's own folder for a lesson");
   command->add_option("lesson", arguments->lesson, "its number")->required();
   addStudent(command, *arguments);
@@ -159,7 +159,7 @@ void addStart(CLI::App& learn, Context& context, const std::shared_ptr<Arguments
   });
 }
 
-void addLessonCheck(CLI::App& learn, Context& context, const std::shared_ptr<Arguments>& arguments) {
+void addLessonCheck(CLI::App& learn, Context& context, const std::shared_ptr<LearnArguments>& arguments) {
   auto* command = learn.add_subcommand("check", "is an answer right, and if not, why?");
   command->add_option("lesson", arguments->lesson, "its number")->required();
   command
@@ -183,7 +183,7 @@ void addLessonCheck(CLI::App& learn, Context& context, const std::shared_ptr<Arg
   });
 }
 
-void addGrade(CLI::App& learn, Context& context, const std::shared_ptr<Arguments>& arguments) {
+void addGrade(CLI::App& learn, Context& context, const std::shared_ptr<LearnArguments>& arguments) {
   auto* command = learn.add_subcommand("grade", "check many students' folders: one table");
   command->add_option("folders", arguments->folders, "students' folders, or folders that hold some")
       ->required();
@@ -201,7 +201,7 @@ void addGrade(CLI::App& learn, Context& context, const std::shared_ptr<Arguments
 
 void addLearn(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("learn", "ten lessons in mobile robotics that check the answer");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<LearnArguments>();
   command->add_option("lesson", arguments->lesson, "its number: prints its page; without: the list");
   addJson(command, context);
   command->require_subcommand(0, 1);

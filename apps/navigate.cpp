@@ -14,7 +14,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct NavigateArguments {
   std::string plan, start = "auto", goal;
   std::string slam;
   std::vector<std::string> methods = {"bug1", "bug2", "tangent", "lidar_bug"};
@@ -22,7 +22,7 @@ struct Arguments {
   std::vector<std::string> carries;
 };
 
-int navigateTo(const Context& context, const Arguments& arguments) {
+int navigateTo(const Context& context, const NavigateArguments& arguments) {
   reach::ReachGoalRequest request;
   request.config =
       reach::readReachGoalConfig(withCarries(simulationConfig(context, arguments.flags), arguments.carries));
@@ -56,7 +56,7 @@ int navigateTo(const Context& context, const Arguments& arguments) {
 
 void addNavigate(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("navigate", "drive to a goal without a map; prints a table");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<NavigateArguments>();
   command->add_option("plan", arguments->plan, "bmp, png, pgm, jpg, a ROS map yaml, or a world by name")
       ->required();
   command->add_option("--start", arguments->start, "x_m,y_m,yaw_deg in the world frame, or auto")

@@ -17,7 +17,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct PlotResultsArguments {
   std::vector<std::string> inputs;
   std::string methods, title;
   bool is_linear = false, is_overlaid = false;
@@ -27,7 +27,7 @@ struct Arguments {
 
 /// Leaves the methods on a folder's page that were asked for. Errors: InputError for a method that is not in
 /// the folder.
-void keepMethods(const Arguments& arguments, const std::string& folder, report::ReportPage& page) {
+void keepMethods(const PlotResultsArguments& arguments, const std::string& folder, report::ReportPage& page) {
   const auto wanted = files::namesIn(arguments.methods, ',');
   if (wanted.empty()) return;
   std::vector<std::string> known;
@@ -43,7 +43,7 @@ void keepMethods(const Arguments& arguments, const std::string& folder, report::
 }
 
 /// What the HTML report knows of a folder, with the methods that were asked for.
-report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
+report::ReportPage pageOf(const Context& context, const PlotResultsArguments& arguments) {
   const auto& folder = arguments.inputs.front();
   ConsoleProgress progress(context.quiet);
   auto page = pages::gatherReport(folder, progress);
@@ -51,7 +51,7 @@ report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
   return page;
 }
 
-std::vector<report::ReportPage> pagesOf(const Context& context, const Arguments& arguments) {
+std::vector<report::ReportPage> pagesOf(const Context& context, const PlotResultsArguments& arguments) {
   std::vector<report::ReportPage> pages;
   for (const auto& folder : arguments.inputs) {
     ConsoleProgress progress(context.quiet);
@@ -68,7 +68,7 @@ void sayLines(const Context& context, const draw::Chart& chart, const std::strin
   sayPicture(context, {{"file", file}, {"lines", lines}}, file);
 }
 
-int plotMap(const Context& context, const Arguments& arguments) {
+int plotMap(const Context& context, const PlotResultsArguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "map.png");
   const auto page = pageOf(context, arguments);
   const auto panels = pages::mapPanels(page, arguments.inputs.front());
@@ -85,7 +85,7 @@ int plotMap(const Context& context, const Arguments& arguments) {
   return 0;
 }
 
-int plotPaths(const Context& context, const Arguments& arguments) {
+int plotPaths(const Context& context, const PlotResultsArguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "paths.png");
   const auto page = pageOf(context, arguments);
   const auto paths = pages::allPaths(page);
@@ -104,7 +104,7 @@ int plotPaths(const Context& context, const Arguments& arguments) {
   return 0;
 }
 
-int plotErrors(const Context& context, const Arguments& arguments) {
+int plotErrors(const Context& context, const PlotResultsArguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "errors.png");
   const auto page = pageOf(context, arguments);
   const auto chart = pages::errorChart(page, arguments.inputs.front(), !arguments.is_linear);
@@ -115,7 +115,7 @@ int plotErrors(const Context& context, const Arguments& arguments) {
   return 0;
 }
 
-int plotCost(const Context& context, const Arguments& arguments) {
+int plotCost(const Context& context, const PlotResultsArguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "cost.png");
   const auto chart = pages::costChart(pagesOf(context, arguments), arguments.inputs, !arguments.is_linear);
   draw::drawCharts({chart}, arguments.title, file, paper);
@@ -123,7 +123,7 @@ int plotCost(const Context& context, const Arguments& arguments) {
   return 0;
 }
 
-int plotConsistency(const Context& context, const Arguments& arguments) {
+int plotConsistency(const Context& context, const PlotResultsArguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "consistency.png");
   const auto pages = pagesOf(context, arguments);
   const auto chart = pages::coverageChart(pages, arguments.inputs.front());
@@ -137,7 +137,7 @@ std::string tableIn(const std::string& input, const std::string& name) {
   return std::filesystem::is_directory(input) ? input + "/" + name : input;
 }
 
-int plotSeeds(const Context& context, Arguments& arguments) {
+int plotSeeds(const Context& context, PlotResultsArguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "seeds.png");
   const auto path = tableIn(arguments.inputs.front(), "results.csv");
   arguments.seeds.methods = files::namesIn(arguments.methods, ',');
@@ -156,7 +156,7 @@ int plotSeeds(const Context& context, Arguments& arguments) {
   return 0;
 }
 
-int plotStress(const Context& context, const Arguments& arguments) {
+int plotStress(const Context& context, const PlotResultsArguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "stress.png");
   const auto path = tableIn(arguments.inputs.front(), "stress.csv");
   const auto charts = study::stressCharts(table::fromCsv(files::readTextFile(path), path), path);
@@ -165,7 +165,7 @@ int plotStress(const Context& context, const Arguments& arguments) {
   return 0;
 }
 
-int plotExploration(const Context& context, const Arguments& arguments) {
+int plotExploration(const Context& context, const PlotResultsArguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "exploration.png");
   const auto charts = pages::explorationCharts(arguments.inputs);
   draw::drawCharts(charts, arguments.title, file, paper);
@@ -174,9 +174,9 @@ int plotExploration(const Context& context, const Arguments& arguments) {
 }
 
 /// A kind of figure: what every one of them has.
-CLI::App* addKind(CLI::App& plot, Context& context, const std::shared_ptr<Arguments>& arguments,
+CLI::App* addKind(CLI::App& plot, Context& context, const std::shared_ptr<PlotResultsArguments>& arguments,
                   const std::string& name, const std::string& what, const std::string& input,
-                  int (*draw)(const Context&, Arguments&)) {
+                  int (*draw)(const Context&, PlotResultsArguments&)) {
   auto* command = plot.add_subcommand(name, what);
   command->add_option("input", arguments->inputs, input)->required()->expected(1);
   command->add_option("--title", arguments->title, "above the picture (default: none)");
@@ -187,23 +187,23 @@ CLI::App* addKind(CLI::App& plot, Context& context, const std::shared_ptr<Argume
   return command;
 }
 
-template <int (*kDraw)(const Context&, const Arguments&)>
-int asMutable(const Context& context, Arguments& arguments) {
+template <int (*kDraw)(const Context&, const PlotResultsArguments&)>
+int asMutable(const Context& context, PlotResultsArguments& arguments) {
   return kDraw(context, arguments);
 }
 
 constexpr const char* kOfRuns = "what 'rasterslam compare', 'run' or 'explore' wrote";
 
-void addMethods(CLI::App* command, const std::shared_ptr<Arguments>& arguments) {
+void addMethods(CLI::App* command, const std::shared_ptr<PlotResultsArguments>& arguments) {
   command->add_option("--methods", arguments->methods, "these alone, separated by commas (default: all)");
 }
 
-void addLinear(CLI::App* command, const std::shared_ptr<Arguments>& arguments) {
+void addLinear(CLI::App* command, const std::shared_ptr<PlotResultsArguments>& arguments) {
   command->add_flag("--linear", arguments->is_linear, "no logarithmic axis");
 }
 
 void addMapPlot(CLI::App& plot, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PlotResultsArguments>();
   auto* command =
       addKind(plot, context, arguments, "map", "the map of each method with its path and the true one",
               kOfRuns, asMutable<plotMap>);
@@ -215,7 +215,7 @@ void addMapPlot(CLI::App& plot, Context& context) {
 }
 
 void addPathsPlot(CLI::App& plot, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PlotResultsArguments>();
   auto* command = addKind(plot, context, arguments, "paths", "the paths of all methods over the true plan",
                           kOfRuns, asMutable<plotPaths>);
   addMethods(command, arguments);
@@ -224,7 +224,7 @@ void addPathsPlot(CLI::App& plot, Context& context) {
 }
 
 void addErrorsPlot(CLI::App& plot, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PlotResultsArguments>();
   auto* command = addKind(plot, context, arguments, "errors", "position error over time, a line per method",
                           kOfRuns, asMutable<plotErrors>);
   addMethods(command, arguments);
@@ -233,7 +233,7 @@ void addErrorsPlot(CLI::App& plot, Context& context) {
 }
 
 void addCostPlot(CLI::App& plot, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PlotResultsArguments>();
   auto* command = addKind(plot, context, arguments, "cost", "CPU time a scan over the scans: mean and 99 %",
                           kOfRuns, asMutable<plotCost>);
   command->get_option("input")->expected(1, 100);
@@ -243,7 +243,7 @@ void addCostPlot(CLI::App& plot, Context& context) {
 }
 
 void addConsistencyPlot(CLI::App& plot, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PlotResultsArguments>();
   auto* command = addKind(plot, context, arguments, "consistency",
                           "whether covariances are true: the errors that ellipsoids hold and should hold",
                           kOfRuns, asMutable<plotConsistency>);
@@ -256,7 +256,7 @@ void addConsistencyPlot(CLI::App& plot, Context& context) {
 }
 
 void addSeedsPlot(CLI::App& plot, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PlotResultsArguments>();
   auto* command = addKind(plot, context, arguments, "seeds", "box plots over the seeds of a sweep",
                           "what 'rasterslam bench' wrote, or its results.csv", plotSeeds);
   addMethods(command, arguments);
@@ -280,7 +280,7 @@ void addSeedsPlot(CLI::App& plot, Context& context) {
 }
 
 void addStressPlot(CLI::App& plot, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PlotResultsArguments>();
   auto* command =
       addKind(plot, context, arguments, "stress", "error and failures over what a stress test varied",
               "what 'rasterslam stress' wrote, or its stress.csv", asMutable<plotStress>);
@@ -288,7 +288,7 @@ void addStressPlot(CLI::App& plot, Context& context) {
 }
 
 void addExplorationPlot(CLI::App& plot, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PlotResultsArguments>();
   auto* command = addKind(
       plot, context, arguments, "exploration", "explored share over time and over the path",
       "what 'rasterslam explore' wrote; several folders are drawn together", asMutable<plotExploration>);

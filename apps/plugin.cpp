@@ -16,7 +16,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct PluginArguments {
   std::string method, log;
 };
 
@@ -32,7 +32,7 @@ void printCheck(const run::ExternalRun& run, const std::string& name, std::size_
   std::printf(run.filled_poses > 0 ? ", the others get one from the odometry between them\n" : "\n");
 }
 
-int checkPlugin(const Context& context, const Arguments& arguments) {
+int checkPlugin(const Context& context, const PluginArguments& arguments) {
   auto config = mapping::loadMethodConfig(resources::configsFolder() + "/plugins", arguments.method);
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   const std::string name = std::filesystem::path(arguments.method).stem().string();
@@ -94,7 +94,7 @@ void addPlugin(CLI::App& app, Context& context) {
       "  rasterslam plugin check configs/plugins/graphslam-engine.ini run.rawlog\n"
       "  rasterslam compare run.rawlog --methods graph,configs/plugins/graphslam-engine.ini -o cmp");
   auto* check = command->add_subcommand("check", "run it on a log; a line for everything it owes");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<PluginArguments>();
   check->add_option("method", arguments->method, "the .ini, or the name of one in configs/plugins")
       ->required();
   check->add_option("log", arguments->log, "a log: MRPT rawlog, CARMEN, ...")->required();

@@ -13,12 +13,12 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct RelationsArguments {
   std::string truth;
   double step_m = 1, near_m = 1, apart_s = 30;
 };
 
-int writeRelations(const Context& context, const Arguments& arguments) {
+int writeRelations(const Context& context, const RelationsArguments& arguments) {
   const auto truth = logs::readTrajectory(arguments.truth);
   const auto relations = metrics::relationsOf(truth, arguments.step_m, arguments.near_m, arguments.apart_s);
   if (relations.empty())
@@ -49,7 +49,7 @@ void addRelations(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand(
       "relations",
       "write the relations that a true path gives: for 'eval --relations' and 'compare --relations'");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<RelationsArguments>();
   command->add_option("truth", arguments->truth, "true path: TUM, or MRPT's .GT.txt")->required();
   command
       ->add_option("--step", arguments->step_m, "metres of path from one pose to the next that are related")

@@ -21,14 +21,14 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct RunArguments {
   std::string method, log, continued, localised, lidars, relations;
   std::string start;  ///< x_m,y_m,yaw_deg
   bool journal = false, keep_partial = false;
   int threads = 1;
 };
 
-run::Continuation continuationOf(const Arguments& arguments) {
+run::Continuation continuationOf(const RunArguments& arguments) {
   run::Continuation continuation;
   continuation.localise_only = !arguments.localised.empty();
   continuation.folder = continuation.localise_only ? arguments.localised : arguments.continued;
@@ -64,7 +64,7 @@ class NotFoundYet : public record::StepObserver {
   bool has_looked_ = false;
 };
 
-run::BuildOptions buildOptions(const Arguments& arguments, record::StepObserver& of_localising) {
+run::BuildOptions buildOptions(const RunArguments& arguments, record::StepObserver& of_localising) {
   run::BuildOptions options;
   options.continuation = continuationOf(arguments);
   if (!arguments.localised.empty()) options.observer = &of_localising;
@@ -121,7 +121,7 @@ std::string stoppedText(const results::Stop& stop) {
          "; what was mapped before is kept";
 }
 
-int runMethod(const Context& context, const Arguments& arguments) {
+int runMethod(const Context& context, const RunArguments& arguments) {
   auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", arguments.method);
   if (!context.config.empty()) config.overrideWith(resources::readConfigFile(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
@@ -184,7 +184,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
 
 void addRun(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("run", "run one SLAM method over a log; writes its map and path");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<RunArguments>();
   command->add_option("method", arguments->method, "a name of 'rasterslam list methods', or an .ini file")
       ->required();
   command->add_option("log", arguments->log, "a log: MRPT rawlog, CARMEN, ...")->required();

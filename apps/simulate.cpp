@@ -19,7 +19,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct SimulateArguments {
   std::string plan, commands;
   SimulationFlags flags;
   std::vector<std::string> carries;
@@ -57,7 +57,7 @@ void printResult(const record::UserDrive& drive, const std::vector<robot::UserCo
   for (const auto& file : recording.files) std::printf("  %s\n", file.c_str());
 }
 
-int simulate(const Context& context, const Arguments& arguments) {
+int simulate(const Context& context, const SimulateArguments& arguments) {
   const auto config =
       record::readRecordConfig(withCarries(simulationConfig(context, arguments.flags), arguments.carries));
   if (context.print_config) {
@@ -94,7 +94,7 @@ int simulate(const Context& context, const Arguments& arguments) {
 
 void addSimulate(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("simulate", "let a robot explore a plan; writes a rawlog and its truth");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SimulateArguments>();
   command->add_option("plan", arguments->plan, "bmp, png, pgm, jpg, a ROS map yaml, or a world by name")
       ->required();
   addOutput(command, context, "the rawlog to write (default run.rawlog)");

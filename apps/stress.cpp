@@ -16,7 +16,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct StressArguments {
   study::StressRequest request;
   study::StressLimits limits;
   SimulationFlags flags;
@@ -40,7 +40,7 @@ void writeResult(const study::StressResult& result, const std::string& key, cons
   resources::writeManifest(manifest, folder + "/manifest.json");
 }
 
-int stressMethods(const Context& context, Arguments& arguments) {
+int stressMethods(const Context& context, StressArguments& arguments) {
   auto& request = arguments.request;
   request.settings = simulationConfig(context, arguments.flags);
   if (arguments.seeds > 0) request.seeds = "1.." + std::to_string(arguments.seeds);
@@ -75,7 +75,7 @@ int stressMethods(const Context& context, Arguments& arguments) {
 void addStress(CLI::App& app, Context& context) {
   auto* command =
       app.add_subcommand("stress", "vary one thing (field of view, noise, people) until methods break");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<StressArguments>();
   auto& request = arguments->request;
   command
       ->add_option("ground", request.ground,

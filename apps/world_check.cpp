@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-struct Arguments {
+struct WorldCheckArguments {
   std::string plan;
   double resolution_m = 0, robot_side_m = 0, widest_gap_m = -1;
   std::vector<std::string> only, skip;
@@ -141,7 +141,7 @@ void requireLittleHidden(const check::PlanCheck& check, const std::string& plan_
                          ", or say --yes");
 }
 
-int checkWorld(const Context& context, const Arguments& arguments) {
+int checkWorld(const Context& context, const WorldCheckArguments& arguments) {
   const std::string plan_path = resources::resolvePlan(arguments.plan);
   check::PlanCheckOptions options;
   options.robot_side_m = robot::RobotOptions().side_m;
@@ -213,7 +213,7 @@ std::string footer() {
 
 void addWorldCheck(CLI::App& world, Context& context) {
   auto* command = world.add_subcommand("check", "say what is wrong with a plan, and mend it");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<WorldCheckArguments>();
   command->add_option("plan", arguments->plan, "bmp, png, pgm, jpg, a ROS map yaml, or a world by name")
       ->required();
   command->add_flag("--fix", arguments->fix,

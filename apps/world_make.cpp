@@ -15,7 +15,7 @@
 namespace slam::apps {
 namespace {
 
-struct Arguments {
+struct WorldMakeArguments {
   std::string kind, size, preview;
   double resolution_m = -1;
 };
@@ -32,7 +32,7 @@ void setSize(files::IniFile& config, const std::string& size) {
   config.set("building", "height_m", files::formatNumber(height), "--size");
 }
 
-files::IniFile configOf(const Context& context, const Arguments& arguments) {
+files::IniFile configOf(const Context& context, const WorldMakeArguments& arguments) {
   files::IniFile config;
   if (!context.config.empty()) config = resources::readConfigFile(context.config);
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
@@ -43,7 +43,7 @@ files::IniFile configOf(const Context& context, const Arguments& arguments) {
   return config;
 }
 
-int makeWorld(const Context& context, const Arguments& arguments) {
+int makeWorld(const Context& context, const WorldMakeArguments& arguments) {
   buildings::BuildingOptions options;
   std::vector<files::ParameterReport> parameters;
   const files::IniFile config = configOf(context, arguments);
@@ -103,7 +103,7 @@ int makeWorld(const Context& context, const Arguments& arguments) {
 
 void addWorldMake(CLI::App& world, Context& context) {
   auto* command = world.add_subcommand("make", "draw a building of any size; writes a plan");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<WorldMakeArguments>();
   command
       ->add_option("kind", arguments->kind,
                    "flat | office | hall | hospital | cave | campus; office_loop, pillar_hall, corridor or "

@@ -1,12 +1,18 @@
 # A room is one folder, one namespace slam::<name>, one target slam_<name> (alias slam::<name>).
-#   slam_add_room(NAME world SOURCES a.cpp b.cpp ROOMS core LIBRARIES opencv_core)
+#   slam_add_room(NAME world SOURCES a.cpp b.cpp ROOMS core LIBRARIES opencv_core [APART b.cpp])
 # ROOMS and LIBRARIES are public: what a room's headers need, its users get.
+# Where CMAKE_UNITY_BUILD is on (preset release) up to 8 sources are compiled as one, in half the time. Of two sources of a
+# target that both have a name for themselves, one is compiled APART.
 add_library(slam_build_flags INTERFACE)
 target_compile_options(slam_build_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual
   -ffp-contract=off)
 if(RASTERSLAM_WERROR)
   target_compile_options(slam_build_flags INTERFACE -Werror)
+endif()
+if(CMAKE_UNITY_BUILD)
+  # gcc spares a .cpp this warning, but not one that it meets as part of another file.
+  target_compile_options(slam_build_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endif()
 if(RASTERSLAM_SANITIZE STREQUAL "threads")
   target_compile_options(slam_build_flags INTERFACE -O1 -fsanitize=thread -fno-omit-frame-pointer)
@@ -73,9 +79,19 @@ function(rasterslam_close_rooms wanted rooms_variable packages_variable)
   set(${packages_variable} "${packages}" PARENT_SCOPE)
 endfunction()
 
+function(rasterslam_compile_apart)
+  foreach(source IN LISTS ARGN)
+    if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source})
+      message(FATAL_ERROR "${CMAKE_CURRENT_SOURCE_DIR}: APART names ${source}, which is not there")
+    endif()
+  endforeach()
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 function(slam_add_room)
-  cmake_parse_arguments(R "" "NAME" "SOURCES;ROOMS;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(R "" "NAME" "SOURCES;ROOMS;LIBRARIES;APART" ${ARGN})
   set(target slam_${R_NAME})
+  rasterslam_compile_apart(${R_APART})
   rasterslam_kind_of(${R_NAME} kind)
   add_library(${target} ${kind} ${R_SOURCES})
   add_library(slam::${R_NAME} ALIAS ${target})
@@ -92,9 +108,9 @@ endfunction()
 
 # One test program per room: tests/<name>/*.cpp, linked with slam::<name> and slam::testing. ctest runs it suite by suite,
 # longer suites by parts of CASES tests (12). One case: build/release/tests/test_<name> --gtest_filter=Suite.Case
-#   slam_add_tests(world [LIBRARIES ...] [LABELS ...] [CASES n])
+#   slam_add_tests(world [LIBRARIES ...] [LABELS ...] [CASES n] [APART world/a_test.cpp])
 function(slam_add_tests name)
-  cmake_parse_arguments(T "" "CASES" "LIBRARIES;LABELS" ${ARGN})
+  cmake_parse_arguments(T "" "CASES" "LIBRARIES;LABELS;APART" ${ARGN})
   if(NOT T_CASES)
     set(T_CASES 12)
   endif()
@@ -102,6 +118,7 @@ function(slam_add_tests name)
   if(NOT sources)
     return()
   endif()
+  rasterslam_compile_apart(${T_APART})
   add_executable(test_${name} ${sources})
   target_link_libraries(test_${name} PRIVATE slam_build_flags ${T_LIBRARIES} slam::testing
                                              GTest::gtest GTest::gmock GTest::gtest_main)

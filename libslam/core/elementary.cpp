@@ -2,16 +2,14 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "libslam/core/double_double.h"
 #include "libslam/core/elementary_tables.h"
+#include "libslam/core/numbers.h"
 
 namespace slam::core {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // ln 2 in two parts, of which the first is a multiple of 2^-42; ln 2 / 128 so that 2^17 times the first part
 // is exact.
 constexpr double kLn2High = 0x1.62e42fefa3800p-1, kLn2Low = 0x1.ef35793c76730p-45;

@@ -1,16 +1,13 @@
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <utility>
 
 #include "libslam/core/double_double.h"
 #include "libslam/core/elementary.h"
+#include "libslam/core/numbers.h"
 
 namespace slam::core {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // pi/2 and pi to 106 bits, pi/2 in parts of 33 bits (times a whole number below 2^20 they are exact), and
 // what remains.

@@ -1,16 +1,16 @@
 #include "libslam/explore/exploration_tables.h"
+#include "libslam/core/numbers.h"
 #include "libslam/table/number_text.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace slam::explore {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
+using core::kNaN;
 
 /// A figure of the tables: how it is taken from a run, and how it is shown.
 struct Figure {

@@ -1,12 +1,12 @@
 #include "libslam/explore/explore.h"
 
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/explore/coverage_charts.h"
 #include "libslam/explore/exploration_jobs.h"
 #include "libslam/explore/exploration_tables.h"
@@ -21,7 +21,7 @@ namespace slam::explore {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr double kCutOffBelow = 0.9;  // share of the free area; corners out of sight are less than a tenth
 
 void checkRequest(const ExploreRequest& request) {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "libslam/core/numbers.h"
 #include "libslam/explore/exploring_robot.h"
 #include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
@@ -16,7 +16,7 @@
 namespace slam::explore {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 std::vector<std::string> lidarsOf(const record::RecordConfig& record) {
   std::vector<std::string> labels = {"LASER"};

@@ -6,6 +6,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/files/files.h"
 #include "libslam/learn/recipes.h"
 #include "libslam/logs/log_reader.h"
@@ -17,7 +18,7 @@
 namespace slam::learn {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 // What a scan says about a cell.
 constexpr int kNothing = 0, kPassed = 1, kHit = 2;

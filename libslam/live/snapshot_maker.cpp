@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "libslam/core/numbers.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/metrics/trajectory_error.h"
 
 namespace slam::live {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr double kEventShown_s = 2;
 constexpr double kStrategicShown_m = 2;  // of a direction: what is farther away decides nothing
 

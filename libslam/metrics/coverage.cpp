@@ -5,12 +5,13 @@
 #include <limits>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/rays/ray_walk.h"
 
 namespace slam::metrics {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr unsigned char kSeenFree = 1, kSeenWall = 2;
 
 bool isInside(const world::Plan& plan, const core::Point2& cell) {

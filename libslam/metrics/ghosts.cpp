@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/core/rigid_motion2.h"
 
 namespace slam::metrics {
@@ -55,7 +56,7 @@ double ghostShare(const world::Plan& plan, const SeenMask& seen, const std::vect
   if (seen.columns != plan.columns || seen.rows != plan.rows || seen.free.size() != plan.cells.size())
     throw core::ContractError("ghostShare: the mask is not the plan's");
   if (!(tolerance_m >= 0)) throw core::ContractError("ghostShare: tolerance_m must not be below 0");
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  using core::kNaN;
   if (!core::isFinite(T_world_map)) return kNaN;
   const auto ground = groundOf(plan, seen, people, tolerance_m);
   size_t cells = 0, ghosts = 0;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/core/rigid_motion2.h"
 #include "libslam/metrics/nearest_points.h"
 #include "libslam/metrics/statistics.h"
@@ -13,7 +13,7 @@
 namespace slam::metrics {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr double kRounding_m = 1e-9;  // "within the tolerance" must not depend on the last digit of a centre
 
 /// A raster placed in the world: cell coordinates in cells, points in metres.

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <tuple>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/core/rigid_motion2.h"
 #include "libslam/metrics/statistics.h"
 #include "libslam/metrics/view_thinning.h"
@@ -16,7 +16,7 @@
 namespace slam::metrics {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr double kRounding = 1e-9;  // "within the reach" must not depend on the last digit of a coordinate
 
 /// Points sorted into square bins as wide as the neighbourhood, so that neighbours lie in 3 x 3 bins.

@@ -4,11 +4,12 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 
 namespace slam::metrics {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 double quantileOfSorted(const std::vector<double>& sorted, double share) {
   const double position = share * static_cast<double>(sorted.size() - 1);

@@ -6,11 +6,12 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 
 namespace slam::metrics {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 // 1 ms, and half a microsecond more because a double holds an epoch time of 2e9 s only to 0.24 us.
 constexpr double kSameStamp_s = 1.0005e-3;
 // Far below any sensor's noise and far above the rounding of a sum of steps.

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/numbers.h"
 
 namespace slam::movers {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
 
 /// The beams of a scan, one and more at a positive step, that look into an interval of bearings.
 class Fan {

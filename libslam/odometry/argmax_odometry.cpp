@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "libslam/odometry/methods.h"
+#include "libslam/odometry/profile_correlation.h"
 
 namespace slam::odometry {
 namespace {
@@ -45,11 +46,6 @@ class OriginalScan {
   const lidar::Scan& scan_;
   long circle_, ahead_;
 };
-
-bool sameBeams(const lidar::Scan& a, const lidar::Scan& b) {
-  return a.ranges_m.size() == b.ranges_m.size() && std::abs(a.step_rad - b.step_rad) < 1e-3 * a.step_rad &&
-         std::abs(a.first_angle_rad - b.first_angle_rad) < 1e-3 * a.step_rad;
-}
 
 /// As the document has it: an index that went on by half the circle or more came the other way round, so
 /// exactly half a turn changes its sign.

@@ -46,11 +46,6 @@ Profile resample(const Profile& profile, const lidar::Scan& source, const lidar:
   return out;
 }
 
-bool sameBeams(const lidar::Scan& a, const lidar::Scan& b) {
-  return a.ranges_m.size() == b.ranges_m.size() && std::abs(a.step_rad - b.step_rad) < 1e-3 * a.step_rad &&
-         std::abs(a.first_angle_rad - b.first_angle_rad) < 1e-3 * a.step_rad;
-}
-
 struct Sums {
   double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 };
@@ -95,6 +90,11 @@ double parabolaTop(double left, double middle, double right) {
 }
 
 }  // namespace
+
+bool sameBeams(const lidar::Scan& a, const lidar::Scan& b) {
+  return a.ranges_m.size() == b.ranges_m.size() && std::abs(a.step_rad - b.step_rad) < 1e-3 * a.step_rad &&
+         std::abs(a.first_angle_rad - b.first_angle_rad) < 1e-3 * a.step_rad;
+}
 
 std::vector<TurnCandidate> correlateProfiles(const lidar::Scan& before, const lidar::Scan& after,
                                              double max_turn_rad, size_t count) {

@@ -5,6 +5,9 @@
 
 namespace slam::odometry {
 
+/// As many beams, in the same directions to a thousandth of a step.
+bool sameBeams(const lidar::Scan& a, const lidar::Scan& b);
+
 /// A turn under which two range profiles look alike.
 struct TurnCandidate {
   double turn_rad = 0;     ///< of the lidar, counter-clockwise positive, to a fraction of a beam

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/numbers.h"
 #include "libslam/oracle/bound_below.h"
 #include "libslam/oracle/cover_search.h"
 #include "libslam/oracle/drive_graph.h"
@@ -13,7 +13,7 @@
 namespace slam::oracle {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr std::size_t kMostNodes = 40000;
 // The search counts samples, the drive cells and what is seen between the views: it is asked for a little
 // more and for a little less than the share, and the shortest drive that reaches it counts.

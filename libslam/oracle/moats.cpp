@@ -1,13 +1,13 @@
 #include "libslam/oracle/moats.h"
+#include "libslam/core/numbers.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 namespace slam::oracle {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
 constexpr double kTight = 1e-9;
 
 /// Grows the y of all sets that still may, at one pace, joins sets when the way between them is paid for, and

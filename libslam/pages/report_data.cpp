@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <regex>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/files/csv.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
@@ -24,7 +24,7 @@ namespace slam::pages {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 bool isRunFolder(const std::string& folder) {
   return fs::exists(folder + "/manifest.json") &&
@@ -119,7 +119,7 @@ report::ReportRun pageRun(const results::RunFolder& run, const score::Evaluation
     if (!truth) continue;
     core::Pose2 true_pose;
     const bool known = metrics::poseAt(truth->trajectory, stamped.time_s, true_pose);
-    shown.error_m.push_back(known ? core::distance(true_pose, shown.path.back().pose) : kNan);
+    shown.error_m.push_back(known ? core::distance(true_pose, shown.path.back().pose) : kNaN);
   }
   if (truth) {
     const auto errors = score::statedErrors(run, *truth, score::alignmentOf(run.manifest));
@@ -218,7 +218,7 @@ void addExploration(const std::string& folder, report::ReportPage& page) {
   addGoals(folder, T_world_map, page.replays.front());
   addCoverage({folder}, {"explored"}, page);
   const auto manifest = resources::readManifest(folder + "/manifest.json");
-  double share = kNan;
+  double share = kNaN;
   if (files::parseNumber(resultOf(manifest, "coverage"), share)) {
     std::string text = resultOf(manifest, "strategy") + " explored " + percent(share) +
                        " of what can be explored; it ended by: " + resultOf(manifest, "end");

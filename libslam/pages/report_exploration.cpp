@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <optional>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/files/csv.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
@@ -18,7 +18,7 @@ namespace slam::pages {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 /// One exploration of several.
 struct Explored {
@@ -257,7 +257,7 @@ void fillNavigation(const std::string& folder, const resources::Manifest& manife
     for (const auto& stamped : run.path) {
       core::Pose2 true_pose;
       const bool known = metrics::poseAt(replay.truth, stamped.time_s, true_pose);
-      run.error_m.push_back(known ? core::distance(true_pose, stamped.pose) : kNan);
+      run.error_m.push_back(known ? core::distance(true_pose, stamped.pose) : kNaN);
     }
     const auto states = files::CsvTable::read(of_method + "/states.csv");
     const auto time_s = states.numbersOrNan("time_s"), x = states.numbersOrNan("x_m"),

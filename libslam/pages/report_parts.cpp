@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/files/csv.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
@@ -22,7 +22,7 @@ namespace slam::pages {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 std::string operationText(const sim::Operation& operation) {
   const auto number = [](double value) { return ' ' + table::shownText(value, {"", "", 4}); };
@@ -100,7 +100,7 @@ table::Table readJsonTable(const std::string& path) {
       if (cell != row.end() && cell->is_string())
         table.rows.back().emplace_back(cell->get<std::string>());
       else
-        table.rows.back().emplace_back(cell != row.end() && cell->is_number() ? cell->get<double>() : kNan);
+        table.rows.back().emplace_back(cell != row.end() && cell->is_number() ? cell->get<double>() : kNaN);
     }
   }
   return table;
@@ -163,7 +163,7 @@ void addGoals(const std::string& folder, const core::Pose2& T_world_map, report:
   const auto curve = files::CsvTable::read(folder + "/exploration.csv");
   const auto time_s = curve.numbersOrNan("time_s"), x = curve.numbersOrNan("goal_x_m"),
              y = curve.numbersOrNan("goal_y_m");
-  core::Point2 last{kNan, kNan};
+  core::Point2 last{kNaN, kNaN};
   for (size_t i = 0; i < time_s.size(); ++i) {
     const core::Point2 goal{x[i], y[i]};
     const bool same = (goal.x == last.x && goal.y == last.y) || (std::isnan(goal.x) && std::isnan(last.x));

@@ -3,9 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/middle_value.h"
+#include "libslam/core/numbers.h"
 #include "libslam/posegraph/descent.h"
 #include "libslam/posegraph/edge_error.h"
 #include "libslam/posegraph/parts.h"
@@ -155,7 +155,7 @@ void LoopSearch::settle(LoopChoice& choice, double tolerance, int max_iterations
 }
 
 std::vector<LoopSearch::Verdict> LoopSearch::judge(const LoopChoice& choice, bool with_parked) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  using core::kInfinity;
   std::vector<Verdict> out(loops_.size(), {kInfinity, kInfinity});
   system_->linearise(graph_, choice.poses, weights_);
   ++iterations_;

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/numbers.h"
 #include "libslam/rays/ray_walk.h"
 
 namespace slam::rays {
 
 double castOriginalRay(const world::Plan& plan, const core::Point2& origin_world, double angle_rad,
                        double max_range_m) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  using core::kInfinity;
   const core::Point2 origin = world::worldToCells(plan, origin_world),
                      direction = rayDirection(plan, angle_rad);
   if (!isFiniteRay(origin, direction)) return kInfinity;

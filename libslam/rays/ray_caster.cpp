@@ -2,14 +2,14 @@
 
 #include <cmath>
 #include <cstddef>
-#include <limits>
 
+#include "libslam/core/numbers.h"
 #include "libslam/rays/ray_walk.h"
 
 namespace slam::rays {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
 
 /// Distance in cells; may give up on hits beyond `limit` cells.
 double castWithin(const world::Plan& plan, const core::Point2& origin, const core::Point2& direction,

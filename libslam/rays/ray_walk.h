@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 
+#include "libslam/core/numbers.h"
 #include "libslam/core/pose2.h"
 #include "libslam/world/plan.h"
 
@@ -120,7 +120,7 @@ inline core::Point2 rayDirection(const world::Plan& plan, double angle_rad) {
 /// beyond max_range_m; <= 0 means no limit.
 template <class Cast>
 double castInMetres(const world::Plan& plan, const core::Point2& direction, double max_range_m, Cast cast) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  using core::kInfinity;
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
   const double distance_m = plan.resolution_m * cast(direction, limit_m / plan.resolution_m);
   return distance_m <= limit_m ? distance_m : kInfinity;

@@ -5,13 +5,14 @@
 #include <limits>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/core/thread_team.h"
 #include "libslam/rays/ray_walk.h"
 
 namespace slam::rays {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
 
 /// std::floor for what fits an int, without a call where the processor has no such instruction.
 inline int floorToInt(double x) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <vector>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/rays/ray_walk.h"
 
 namespace slam::rays {
@@ -155,7 +155,7 @@ class Staircase {
 }  // namespace
 
 std::optional<WallHit> findWall(const world::Plan& plan, const core::Point2& origin_world, double angle_rad) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  using core::kInfinity;
   std::optional<WallHit> hit;
   const world::Cell* before = nullptr;
   walkRay(plan, world::worldToCells(plan, origin_world), rayDirection(plan, angle_rad), kInfinity,

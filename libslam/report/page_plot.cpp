@@ -8,6 +8,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/draw/outline.h"
 #include "libslam/draw/page_text.h"
 #include "libslam/table/number_text.h"
@@ -152,14 +153,14 @@ std::string errorPathElements(const core::Trajectory& path, const std::vector<do
                               const draw::Window& window) {
   // One element per class: its stretches are pieces of one outline.
   std::string elements;
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  using core::kNaN;
   for (size_t wanted = 0; wanted < errorClasses().size(); ++wanted) {
     std::vector<core::Point2> points;
     for (size_t i = 0; i + 1 < path.size(); ++i) {
       if (errorClass(error_m[i]) != wanted) continue;
       const auto from = core::position(path[i].pose);
       const bool goes_on = !points.empty() && points.back().x == from.x && points.back().y == from.y;
-      if (!goes_on) points.insert(points.end(), {core::Point2{kNan, kNan}, from});
+      if (!goes_on) points.insert(points.end(), {core::Point2{kNaN, kNaN}, from});
       points.push_back(core::position(path[i + 1].pose));
     }
     elements += pathElement(points, window, errorClasses()[wanted].colour, 2.5);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "libslam/core/numbers.h"
 #include "libslam/draw/page_text.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/report/page_plot.h"
@@ -14,14 +14,14 @@ namespace slam::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 /// x, y, yaw at each time, NaN where the path has no pose.
 std::string posesAt(const core::Trajectory& path, const std::vector<double>& stamps_s) {
   std::vector<double> numbers;
   for (const double stamp_s : stamps_s) {
-    core::Pose2 pose{kNan, kNan, kNan};
-    if (!metrics::poseAt(path, stamp_s, pose)) pose = {kNan, kNan, kNan};
+    core::Pose2 pose{kNaN, kNaN, kNaN};
+    if (!metrics::poseAt(path, stamp_s, pose)) pose = {kNaN, kNaN, kNaN};
     numbers.insert(numbers.end(), {pose.x, pose.y, pose.phi});
   }
   return draw::base64Floats(numbers);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "libslam/core/numbers.h"
 #include "libslam/draw/page_text.h"
 #include "libslam/files/parameters.h"
 #include "libslam/report/html_report.h"
@@ -12,12 +12,12 @@
 namespace slam::report {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 /// What sorts: the number itself, not its rounded text; of "0.5 [0.4, 0.6]" the first, of "<0.001" less than
 /// that.
 std::string sortValue(const table::CellValue& cell) {
-  double number = kNan;
+  double number = kNaN;
   if (const auto* value = std::get_if<double>(&cell)) {
     number = *value;
   } else {

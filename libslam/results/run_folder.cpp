@@ -1,9 +1,9 @@
 #include "libslam/results/run_folder.h"
 
 #include <filesystem>
-#include <limits>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/files/parameters.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/resources/resources.h"
@@ -11,11 +11,11 @@
 namespace slam::results {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 double timeOf(const resources::Manifest& manifest, const std::string& key) {
   const auto it = manifest.times_s.find(key);
-  return it == manifest.times_s.end() ? kNan : it->second;
+  return it == manifest.times_s.end() ? kNaN : it->second;
 }
 
 /// None where the file is not there.
@@ -35,14 +35,14 @@ double resultOf(const resources::Manifest& manifest, const std::string& key, con
   const auto it = manifest.results.find(key);
   if (it == manifest.results.end())
     throw core::InputError(path + "/manifest.json: key 'results." + key + "' is missing");
-  double value = kNan;
+  double value = kNaN;
   files::parseNumber(it->second, value);  // "nan" stays NaN
   return value;
 }
 
 double resultIfThere(const resources::Manifest& manifest, const std::string& key) {
   const auto it = manifest.results.find(key);
-  double value = kNan;
+  double value = kNaN;
   if (it != manifest.results.end()) files::parseNumber(it->second, value);
   return value;
 }

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 
 namespace slam::robot {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
 
 /// Distance ahead at which a line of sight so far below the horizontal meets the floor.
 double floorDistance(double height_m, double angle_below_rad) {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/files/parameters.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/ghosts.h"
@@ -19,8 +19,8 @@
 namespace slam::score {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr metrics::ErrorStatistics kNoStatistics{0, kNan, kNan, kNan, kNan, kNan};
+using core::kNaN;
+constexpr metrics::ErrorStatistics kNoStatistics{0, kNaN, kNaN, kNaN, kNaN, kNaN};
 
 /// Median over the other methods of the ATE between two estimates: small when a method tells the same story.
 double agreementWithOthers(const std::vector<results::RunFolder>& runs, size_t index) {
@@ -28,7 +28,7 @@ double agreementWithOthers(const std::vector<results::RunFolder>& runs, size_t i
   for (size_t i = 0; i < runs.size(); ++i)
     if (i != index && !runs[i].estimate.empty() && !runs[index].estimate.empty())
       errors.push_back(metrics::trajectoryError(runs[i].estimate, runs[index].estimate).position_m.rmse);
-  if (errors.empty()) return kNan;
+  if (errors.empty()) return kNaN;
   std::sort(errors.begin(), errors.end());
   const size_t half = errors.size() / 2;
   return errors.size() % 2 ? errors[half] : (errors[half - 1] + errors[half]) / 2;
@@ -58,15 +58,15 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.failure = why;
   e.trajectory = e.final_trajectory = {kNoStatistics, kNoStatistics, {}, 0};
   e.per_metre = e.per_second = {kNoStatistics, kNoStatistics};
-  e.map = {kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
-  e.anees = e.within_50_share = e.within_95_share = e.singular_share = kNan;
-  e.anees_final = e.within_50_share_final = e.within_95_share_final = e.singular_share_final = kNan;
-  e.relative_1m = e.relative_10m = e.relative_loop = {kNan, kNan};
-  e.cost = {kNan, kNan, kNan, kNan};
-  e.ghost_share = e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = e.lost_share = kNan;
-  e.structure = {kNan, 0, 0};
-  e.mean_map_entropy = e.wall_thickness_m = e.on_wall_share = e.through_wall_share = kNan;
-  e.end_pose = {kNan, kNan, kNan};
+  e.map = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
+  e.anees = e.within_50_share = e.within_95_share = e.singular_share = kNaN;
+  e.anees_final = e.within_50_share_final = e.within_95_share_final = e.singular_share_final = kNaN;
+  e.relative_1m = e.relative_10m = e.relative_loop = {kNaN, kNaN};
+  e.cost = {kNaN, kNaN, kNaN, kNaN};
+  e.ghost_share = e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = e.lost_share = kNaN;
+  e.structure = {kNaN, 0, 0};
+  e.mean_map_entropy = e.wall_thickness_m = e.on_wall_share = e.through_wall_share = kNaN;
+  e.end_pose = {kNaN, kNaN, kNaN};
   return e;
 }
 
@@ -106,7 +106,7 @@ Evaluation::Relative relativeConsistency(const results::RunFolder& run, const Tr
                                                 run.relative_covariances, kind)},
                          results::kPoseDegreesOfFreedom);
   return known ? Evaluation::Relative{known->anees.value, known->coverage95.value}
-               : Evaluation::Relative{kNan, kNan};
+               : Evaluation::Relative{kNaN, kNaN};
 }
 
 }  // namespace

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
 #include "libslam/resources/json_entry.h"
@@ -18,7 +18,7 @@
 namespace slam::score {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr double kUsualTolerance = 0.1;
 constexpr const char* kTranslationMean = "translation_mean_m";
 constexpr const char* kRotationMean = "rotation_mean_deg";
@@ -300,7 +300,7 @@ std::vector<GateFinding> checkGate(const Gate& gate, const std::vector<Score>& s
     finding.before = stats::median(baseline.values);
     finding.allowed =
         std::max(row.absolute, std::isinf(finding.before) ? 0.0 : row.relative * std::abs(finding.before));
-    finding.now = kNan;
+    finding.now = kNaN;
     const bool is_there =
         !measured.values.empty() &&
         std::none_of(measured.values.begin(), measured.values.end(), [](double v) { return std::isnan(v); });
@@ -338,7 +338,7 @@ table::Table gateTable(const std::vector<GateFinding>& findings, const std::stri
   for (const auto& finding : findings) {
     if (detail == Detail::kShort && finding.verdict == GateVerdict::kWithin) continue;
     table.rows.push_back({finding.row.baseline.cell, finding.row.baseline.metric, finding.before, finding.now,
-                          finding.allowed, finding.p.value_or(kNan),
+                          finding.allowed, finding.p.value_or(kNaN),
                           static_cast<double>(failures(finding.values)),
                           static_cast<double>(finding.values.size()), textOf(finding.verdict)});
   }

@@ -1,18 +1,18 @@
 #include "libslam/score/metric_infos.h"
 
 #include <cmath>
-#include <limits>
 
+#include "libslam/core/numbers.h"
 #include "libslam/core/pose2.h"
 
 namespace slam::score {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 /// A count of a map that has cells; a failed method has none.
 double countOf(const Evaluation& e, std::size_t count) {
-  return std::isnan(e.structure.occupied_share) ? kNan : static_cast<double>(count);
+  return std::isnan(e.structure.occupied_share) ? kNaN : static_cast<double>(count);
 }
 
 /// A row of metricInfos().

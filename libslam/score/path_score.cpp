@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/files/parameters.h"
 #include "libslam/files/word_list.h"
 #include "libslam/metrics/trajectory_error.h"
@@ -12,7 +12,7 @@
 namespace slam::score {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 /// Pearson's; NaN where one of the lists does not vary.
 double correlation(const std::vector<double>& a, const std::vector<double>& b) {
@@ -24,7 +24,7 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
   }
   const double variance_a = aa - sum_a * sum_a / n, variance_b = bb - sum_b * sum_b / n;
   constexpr double kNothing = 1e-6;
-  if (!(variance_a > kNothing) || !(variance_b > kNothing)) return kNan;
+  if (!(variance_a > kNothing) || !(variance_b > kNothing)) return kNaN;
   return (ab - sum_a * sum_b / n) / std::sqrt(variance_a * variance_b);
 }
 
@@ -82,7 +82,7 @@ table::Table pathTable(const std::string& name, const core::Trajectory& truth,
 }
 
 double motionAgreement(const core::Trajectory& truth, const core::Trajectory& estimate) {
-  if (truth.empty() || estimate.empty()) return kNan;
+  if (truth.empty() || estimate.empty()) return kNaN;
   const double first_s = std::max(truth.front().time_s, estimate.front().time_s);
   const double last_s = std::min(truth.back().time_s, estimate.back().time_s);
   constexpr std::size_t kLeastSteps = 10;
@@ -98,7 +98,7 @@ double motionAgreement(const core::Trajectory& truth, const core::Trajectory& es
     true_rad.push_back(std::abs(core::wrapToPi(true_to.phi - true_from.phi)));
     estimated_rad.push_back(std::abs(core::wrapToPi(to.phi - from.phi)));
   }
-  if (true_m.size() < kLeastSteps) return kNan;
+  if (true_m.size() < kLeastSteps) return kNaN;
   return std::fmax(correlation(true_m, estimated_m), correlation(true_rad, estimated_rad));
 }
 

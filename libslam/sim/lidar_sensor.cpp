@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/numbers.h"
 #include "libslam/lidar/beam.h"
 
 namespace slam::sim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
 
 double diagonal(const world::Plan& plan) {
   return plan.resolution_m * core::hypot(plan.columns, plan.rows);

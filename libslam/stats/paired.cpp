@@ -4,13 +4,13 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <string>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/stats/mean_interval.h"
 #include "libslam/stats/proportion.h"
 
@@ -101,7 +101,7 @@ double preference(double a, double b, Better better) {
 }  // namespace
 
 double failedValue(Better better) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  using core::kInfinity;
   return better == Better::kSmaller ? kInfinity : -kInfinity;
 }
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/files/word_list.h"
 #include "libslam/resources/ini_yaml.h"
 #include "libslam/resources/resources.h"
@@ -20,7 +20,7 @@ namespace slam::study {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr int kSteps = 6;
 constexpr int kResamples = 2000;
 constexpr const char* kVary = "--vary";
@@ -137,9 +137,9 @@ void varySimulation(files::IniFile& ini, StressSuite& stress) {
 /// One value and method.
 struct Point {
   std::size_t runs = 0, failed = 0;
-  double failure_rate = kNan;
+  double failure_rate = kNaN;
   stats::Interval failure_interval;
-  stats::Estimate error{kNan, std::nullopt};
+  stats::Estimate error{kNaN, std::nullopt};
   bool isBroken(const StressLimits& limits) const {
     if (runs == 0) return false;
     if (failure_interval.low > limits.failure_rate) return true;
@@ -255,8 +255,8 @@ void addPoint(const std::string& varied, double value, const Point& point, const
   result.main.rows.push_back({files::formatNumber(value), breaks.method, static_cast<double>(point.runs),
                               summary::withInterval({point.failure_rate, point.failure_interval}, 2),
                               summary::withInterval(point.error, 3), word});
-  const double low = point.error.interval ? point.error.interval->low : kNan;
-  const double high = point.error.interval ? point.error.interval->high : kNan;
+  const double low = point.error.interval ? point.error.interval->low : kNaN;
+  const double high = point.error.interval ? point.error.interval->high : kNaN;
   result.all.rows.push_back({varied, value, breaks.method, static_cast<double>(point.runs),
                              static_cast<double>(point.failed), point.failure_rate,
                              point.failure_interval.low, point.failure_interval.high, point.error.value, low,

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/draw/axis_title.h"
 #include "libslam/table/cells.h"
 
 namespace slam::study {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
 
 }  // namespace
 

@@ -1,17 +1,17 @@
 #include "libslam/study/sweep_gate.h"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <utility>
 
+#include "libslam/core/numbers.h"
 #include "libslam/score/metric_infos.h"
 #include "libslam/summary/sweep_groups.h"
 
 namespace slam::study {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 std::string cellOf(const sweep::PlannedRun& run, const sweep::PlannedLog& log) {
   std::string text = summary::fullName(run) + " on " + log.world;
@@ -59,7 +59,7 @@ std::vector<score::Score> scoresOf(const sweep::SweepPlan& plan, const summary::
       for (const auto run : runs_of_cell.at(cell)) {
         const auto& result = results[run];
         score.seeds.push_back(plan.runs[run].seed);
-        score.values.push_back(!result                            ? kNan
+        score.values.push_back(!result                            ? kNaN
                                : summary::isFailed(plan, *result) ? stats::failedValue(better)
                                                                   : summary::figureOf(*result, metric));
       }

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <numeric>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/files/files.h"
 #include "libslam/files/ini_text.h"
 #include "libslam/files/word_list.h"
@@ -25,7 +25,7 @@ namespace slam::study {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr std::uint64_t kFirstHeldOutSeed = 1001;
 constexpr const char* kParameters = "tune.parameters";
 constexpr const char* kDefault = "default";
@@ -240,7 +240,7 @@ class Tuner {
     for (const auto& candidate : candidates_) {
       std::vector<table::CellValue> row = {candidate.name};
       for (std::size_t r = 0; r < schedule.size(); ++r)
-        row.emplace_back(r < candidate.mean_ranks.size() ? candidate.mean_ranks[r] : kNan);
+        row.emplace_back(r < candidate.mean_ranks.size() ? candidate.mean_ranks[r] : kNaN);
       for (std::size_t k = 0; k < keys_.size(); ++k)
         row.emplace_back(candidate.values.empty() ? "as it is" : candidate.values[k]);
       table.rows.push_back(std::move(row));

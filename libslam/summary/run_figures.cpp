@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/score/metric_infos.h"
 
 namespace slam::summary {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr double kLongest = 1e5;  // a figure with more digits is shown as a power of ten
 
 std::string valueText(double value, int decimals) {
@@ -65,7 +65,7 @@ std::vector<std::string> summaryKeys(const sweep::SweepPlan& plan) {
 double figureOf(const sweep::CellResult& result, const std::string& key) {
   for (const auto& [name, value] : result.figures)
     if (name == key) return value;
-  return kNan;
+  return kNaN;
 }
 
 stats::Better betterOf(const std::string& metric) {
@@ -75,7 +75,7 @@ stats::Better betterOf(const std::string& metric) {
 }
 
 double rankedValue(const sweep::SweepPlan& plan, const std::optional<sweep::CellResult>& result) {
-  if (!result) return kNan;
+  if (!result) return kNaN;
   if (isFailed(plan, *result)) return stats::failedValue(betterOf(plan.metric));
   return figureOf(*result, plan.metric);
 }

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 
+#include "libslam/core/numbers.h"
 #include "libslam/files/parameters.h"
 #include "libslam/files/word_wrap.h"
 #include "libslam/score/failure.h"
@@ -14,7 +14,7 @@ namespace slam::summary {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 std::string joined(const std::vector<std::string>& parts) {
   std::string text;
@@ -66,15 +66,15 @@ std::vector<table::CellValue> fullRow(const sweep::PlannedRun& run, const sweep:
     row.insert(row.end(), {d.kind == score::Divergence::kJump ? "jump" : "drift", d.time_s, d.place.x,
                            d.place.y, d.error_m, core::radToDeg(d.error_rad)});
   } else {
-    row.insert(row.end(), {"-", kNan, kNan, kNan, kNan, kNan});
+    row.insert(row.end(), {"-", kNaN, kNaN, kNaN, kNaN, kNaN});
   }
   row.insert(row.end(), {suspect, report ? joined(report->around) : "",
-                         report ? static_cast<double>(report->wrong_loops.size()) : kNan});
+                         report ? static_cast<double>(report->wrong_loops.size()) : kNaN});
   if (report && report->region)
     row.insert(row.end(), {report->region->centre.x, report->region->centre.y, report->region->missing_wall_m,
                            report->region->false_wall_m});
   else
-    row.insert(row.end(), {kNan, kNan, kNan, kNan});
+    row.insert(row.end(), {kNaN, kNaN, kNaN, kNaN});
   row.emplace_back("cells/" + run.id);
   return row;
 }

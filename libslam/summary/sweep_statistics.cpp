@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/numbers.h"
 #include "libslam/stats/bootstrap.h"
 #include "libslam/stats/multiple_tests.h"
 #include "libslam/stats/ranking.h"
@@ -11,7 +12,7 @@
 namespace slam::summary {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 /// Enough for two digits of an interval; a sweep has thousands of them.
 constexpr int kResamples = 2000;
 
@@ -26,7 +27,7 @@ stats::BootstrapOptions bootstrap(const std::vector<std::size_t>& settings) {
 }
 
 stats::Estimate medianOf(const Sample& sample) {
-  if (sample.values.empty()) return {kNan, std::nullopt};
+  if (sample.values.empty()) return {kNaN, std::nullopt};
   return stats::bootstrapMedian(sample.values, bootstrap(sample.settings));
 }
 

@@ -1,10 +1,10 @@
 #include "libslam/summary/sweep_tables.h"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <optional>
 
+#include "libslam/core/numbers.h"
 #include "libslam/files/parameters.h"
 #include "libslam/stats/seeds_needed.h"
 #include "libslam/summary/sweep_groups.h"
@@ -14,17 +14,17 @@
 namespace slam::summary {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 double failureRate(const MethodStatistics& row) {
-  return row.runs == 0 ? kNan : static_cast<double>(row.failed) / static_cast<double>(row.runs);
+  return row.runs == 0 ? kNaN : static_cast<double>(row.failed) / static_cast<double>(row.runs);
 }
 
 double lowOf(const stats::Estimate& estimate) {
-  return estimate.interval ? estimate.interval->low : kNan;
+  return estimate.interval ? estimate.interval->low : kNaN;
 }
 double highOf(const stats::Estimate& estimate) {
-  return estimate.interval ? estimate.interval->high : kNan;
+  return estimate.interval ? estimate.interval->high : kNaN;
 }
 
 /// Says so where there are too few seeds for any difference in one setting to count. `runs_of_group`: of each
@@ -109,7 +109,7 @@ table::Table resultsTable(const sweep::SweepPlan& plan, const SweepResults& resu
     row.insert(row.end(),
                {std::to_string(run.seed), run.method, run.parameters,
                 results[i] ? results[i]->status : "missing", results[i] ? results[i]->message : ""});
-    for (const auto& figure : list) row.emplace_back(results[i] ? figureOf(*results[i], figure.key) : kNan);
+    for (const auto& figure : list) row.emplace_back(results[i] ? figureOf(*results[i], figure.key) : kNaN);
     row.insert(row.end(),
                {"cells/" + run.id, log.simulated ? "cells/" + log.id : "", sweep::reproduceLine(run.id)});
     table.rows.push_back(std::move(row));

@@ -6,13 +6,13 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <system_error>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/files/files.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/process/process_memory.h"
@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 bool memory_ran_out = false;
 
@@ -233,7 +233,7 @@ Json numberOrNull(double value) {
 }
 
 double numberOf(const Json& json) {
-  return json.is_null() ? kNan : json.get<double>();
+  return json.is_null() ? kNaN : json.get<double>();
 }
 
 void writeJson(const Json& json, const std::string& path) {
@@ -247,7 +247,7 @@ CellState damaged(const std::string& reason) {
 }  // namespace
 
 CellCost::CellCost()
-    : cpu_s(kNan), wall_s(kNan), mean_ms_per_scan(kNan), p99_ms_per_scan(kNan), peak_memory_mb(kNan) {}
+    : cpu_s(kNaN), wall_s(kNaN), mean_ms_per_scan(kNaN), p99_ms_per_scan(kNaN), peak_memory_mb(kNaN) {}
 
 void workOnCell(const std::string& folder, const CellInputs& inputs, core::Progress& progress) {
   const auto start = std::chrono::steady_clock::now();

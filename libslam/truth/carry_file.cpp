@@ -1,8 +1,8 @@
 #include "libslam/truth/carry_file.h"
 
 #include <cstdio>
-#include <limits>
 
+#include "libslam/core/numbers.h"
 #include "libslam/truth/number_rows.h"
 
 namespace slam::truth {
@@ -35,7 +35,7 @@ std::vector<sim::Carry> readCarryFile(const std::string& path) {
 }
 
 core::Trajectory brokenAtCarries(const core::Trajectory& truth, const std::vector<sim::Carry>& carries) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  using core::kNaN;
   core::Trajectory path;
   auto carry = carries.begin();
   for (const auto& pose : truth) {

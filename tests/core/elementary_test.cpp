@@ -1,4 +1,5 @@
 #include "libslam/core/elementary.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +18,7 @@
 namespace slam::core {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
 constexpr int kDraws = 100000;
 
 using Function = double (*)(double);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
+#include "libslam/core/numbers.h"
 #include "libslam/draw/box_plot.h"
 #include "libslam/draw/chart_axes.h"
 #include "libslam/draw/curves.h"
@@ -19,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::TempFolder;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 std::vector<::testing::Matcher<double>> near(const std::vector<double>& values) {
   std::vector<::testing::Matcher<double>> matchers;
@@ -38,7 +39,7 @@ TEST(Axis, FromZeroEndsAtAWholeStep) {
 }
 
 TEST(Axis, OfLogarithmsEndsAtRoundNumbersAndHasNoPlaceForZero) {
-  const auto wide = logAxis({0.0031, 0.17, kNan, 0, -1});
+  const auto wide = logAxis({0.0031, 0.17, kNaN, 0, -1});
   EXPECT_DOUBLE_EQ(wide.low, 0.002);
   EXPECT_DOUBLE_EQ(wide.high, 0.2);
   EXPECT_THAT(wide.ticks, ElementsAreArray(near({0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2})));
@@ -51,7 +52,7 @@ TEST(Axis, OfLogarithmsEndsAtRoundNumbersAndHasNoPlaceForZero) {
 }
 
 TEST(Axis, AroundValuesFarFromZeroDoesNotReachIt) {
-  const auto axis = axisAround({98, 99, kNan});
+  const auto axis = axisAround({98, 99, kNaN});
   EXPECT_GT(axis.low, 97);
   EXPECT_LT(axis.high, 100);
   EXPECT_EQ(axisAround({1, 9}).low, 0);
@@ -63,7 +64,7 @@ TEST(Charts, BreakLinesDrawWhiskersAndNameEveryLabelOnce) {
   const TempFolder folder;
   const Chart chart{"time (s)",
                     "error (m)",
-                    {{"icp", {{0, 0.1}, {1, 0.2}, {2, kNan}, {3, 0.3}, {4, 0.4}}},
+                    {{"icp", {{0, 0.1}, {1, 0.2}, {2, kNaN}, {3, 0.3}, {4, 0.4}}},
                      {"graph", {{0, 0.3}, {4, 0.1}}, Curve::Style::kMarked},
                      {"graph", {{0, 0.2}, {0, 0.4}}, Curve::Style::kWhisker}}};
   drawCharts({chart}, "", folder / "chart.svg");
@@ -129,7 +130,7 @@ TEST(Charts, StandUnderOneAnotherOnANarrowPage) {
 
 TEST(BoxFigures, AreThoseOfHand) {
   // 1 2 3 4 5 6 7 8 9 30: quartiles at ranks 2.25 and 6.75 from 0, reach 1.5 * 4.5.
-  const auto figures = boxFigures({9, 30, 1, 2, 8, 3, 7, 4, 6, 5, kNan});
+  const auto figures = boxFigures({9, 30, 1, 2, 8, 3, 7, 4, 6, 5, kNaN});
   EXPECT_DOUBLE_EQ(figures.lower_quartile, 3.25);
   EXPECT_DOUBLE_EQ(figures.median, 5.5);
   EXPECT_DOUBLE_EQ(figures.upper_quartile, 7.75);
@@ -137,13 +138,13 @@ TEST(BoxFigures, AreThoseOfHand) {
   EXPECT_DOUBLE_EQ(figures.high, 9);
   EXPECT_THAT(figures.beyond, ElementsAre(30));
   EXPECT_DOUBLE_EQ(boxFigures({4}).median, 4);
-  EXPECT_THROW(boxFigures({kNan}), core::ContractError);
+  EXPECT_THROW(boxFigures({kNaN}), core::ContractError);
 }
 
 TEST(Boxes, ShowCountsAndFailuresAndFewValuesAsDots) {
   const TempFolder folder;
   const std::vector<BoxChart> charts = {
-      {"flat", {{"icp", {0.1, 0.2, 0.3, 0.4, 0.5}, 0}, {"graph", {0.1, kNan, 0.2}, 2}}},
+      {"flat", {{"icp", {0.1, 0.2, 0.3, 0.4, 0.5}, 0}, {"graph", {0.1, kNaN, 0.2}, 2}}},
       {"office", {{"icp", {}, 5}, {"graph", {0.1}, 0}}}};
   drawBoxes(charts, "error (m)", true, "", folder / "boxes.svg");
   const auto svg = files::readTextFile(folder / "boxes.svg");

@@ -1,15 +1,14 @@
 #include "libslam/draw/map_view.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
-
-#include <limits>
 
 #include "tests/world/drawn_plan.h"
 
 namespace slam::draw {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 void expectWindow(const Window& window, double x0, double y0, double x1, double y1) {
   EXPECT_NEAR(window.x0, x0, 1e-9);

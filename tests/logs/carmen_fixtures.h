@@ -17,17 +17,9 @@
 #include "libslam/logs/log_format.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/testing/temp_folder.h"
+#include "tests/logs/objects_of.h"
 
 namespace slam::logs {
-
-using Object = std::shared_ptr<mrpt::serialization::CSerializable>;
-
-inline std::vector<Object> objectsOf(const std::string& path) {
-  const auto source = openLog(path);
-  std::vector<Object> objects;
-  while (auto object = source->next()) objects.push_back(object);
-  return objects;
-}
 
 inline std::vector<Object> objectsOfText(const std::string& text) {
   const testing::TempFolder folder;

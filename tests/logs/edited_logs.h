@@ -12,19 +12,11 @@
 #include "libslam/objects/object_stream.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/logs/log_fixtures.h"
+#include "tests/logs/objects_of.h"
 
 namespace slam::logs {
 
 // Logs to cut, merge and filter, and what is in them afterwards.
-
-using Objects = std::vector<std::shared_ptr<mrpt::serialization::CSerializable>>;
-
-inline Objects objectsOf(const std::string& path) {
-  Objects objects;
-  const auto source = openLog(path);
-  while (auto object = source->next()) objects.push_back(object);
-  return objects;
-}
 
 template <class Class>
 inline const Class& as(const std::shared_ptr<mrpt::serialization::CSerializable>& object) {

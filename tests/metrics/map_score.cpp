@@ -1,10 +1,10 @@
 #include "libslam/metrics/map_score.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
@@ -18,7 +18,7 @@ using core::kPi;
 using world::Cell;
 using world::Plan;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr double kExact = 1e-9;  // a few operations on coordinates of metres
 constexpr double kNoLimit = 0;
 

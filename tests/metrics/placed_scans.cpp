@@ -1,4 +1,5 @@
 #include "libslam/metrics/placed_scans.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +21,7 @@ using core::Point2;
 using world::Cell;
 using world::Plan;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr double kExact = 1e-9;  // a few operations on coordinates of metres
 constexpr double kAdded = kSmallestSpread_m * kSmallestSpread_m;
 

@@ -1,4 +1,5 @@
 #include "libslam/metrics/statistics.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +10,7 @@
 namespace slam::metrics {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 TEST(Quantile, InterpolatesLinearlyBetweenOrderStatistics) {
   const std::vector<double> values = {40, 10, 30, 20};  // any order

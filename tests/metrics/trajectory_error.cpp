@@ -1,4 +1,5 @@
 #include "libslam/metrics/trajectory_error.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +19,7 @@ using core::kPi;
 using core::Pose2;
 using core::Trajectory;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 // Coordinates of tens of metres in doubles, a few operations each: far above rounding, far below any error
 // that matters.
 constexpr double kExact = 1e-9;

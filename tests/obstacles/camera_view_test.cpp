@@ -1,10 +1,10 @@
 #include "libslam/obstacles/camera_view.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "libslam/core/error.h"
@@ -13,7 +13,7 @@
 namespace slam::obstacles {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
 constexpr double kRounding = 1e-9;  // coordinates of metres, lengthened by flat lines of sight
 
 CameraOptions camera(double pitch_deg, double fov_x_deg = 60, double fov_y_deg = 45) {

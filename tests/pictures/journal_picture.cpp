@@ -1,9 +1,9 @@
 #include "libslam/pictures/journal_picture.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <opencv2/imgcodecs.hpp>
 
 #include "libslam/draw/canvas.h"
@@ -13,7 +13,7 @@
 namespace slam::pictures {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 world::Plan room() {
   world::Plan plan;
@@ -88,7 +88,7 @@ TEST_F(JournalPicture, AnUnknownEventIsAMark) {
 TEST_F(JournalPicture, NothingIsAPictureTooAndTheSameInputGivesTheSameBytes) {
   drawJournal(room(), {}, {}, "nothing", folder_ / "a.png");
   EXPECT_FALSE(cv::imread(folder_ / "a.png").empty());
-  drawJournal(world::Plan{}, {}, {at(0, "optimised", kNan)}, "no map", folder_ / "b.png");
+  drawJournal(world::Plan{}, {}, {at(0, "optimised", kNaN)}, "no map", folder_ / "b.png");
   EXPECT_FALSE(cv::imread(folder_ / "b.png").empty());
   const std::vector<core::JournalLine> events = {at(3, "optimised", 100), at(60, "optimised", 250),
                                                  at(61, "resampled", 0.4)};

@@ -1,9 +1,8 @@
 #include "libslam/posegraph/pose_graph.h"
+#include "libslam/core/numbers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <limits>
 
 #include "libslam/core/error.h"
 #include "libslam/testing/error_of.h"
@@ -11,8 +10,8 @@
 namespace slam::posegraph {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
+using core::kNaN;
 
 PoseGraph twoNodes() {
   PoseGraph graph;
@@ -43,7 +42,7 @@ TEST(PoseGraph, CountsChi2OverTheEdgesThatAreOn) {
   EXPECT_EQ(graph.chi2(0), 1) << "of one edge: on or off";
   graph.setMeasurement(0, {3, 0, 0});
   EXPECT_EQ(graph.edges()[0].T_from_to.x, 3);
-  EXPECT_THROW(graph.setMeasurement(0, {kNan, 0, 0}), core::ContractError);
+  EXPECT_THROW(graph.setMeasurement(0, {kNaN, 0, 0}), core::ContractError);
   graph.setMeasurement(0, before);
   graph.setPose(1, {0, 0, 0});
   EXPECT_EQ(graph.chi2(), 0);
@@ -60,10 +59,10 @@ TEST(PoseGraph, RefusesWhatIsNoGraph) {
   EXPECT_THAT(refused(edgeBetween(0, kMap)), ::testing::HasSubstr("node -1"));
   EXPECT_THAT(refused(edgeBetween(1, 1)), ::testing::HasSubstr("to itself"));
   Edge edge = edgeBetween(0, 1);
-  edge.T_from_to.phi = kNan;
+  edge.T_from_to.phi = kNaN;
   EXPECT_THAT(refused(edge), ::testing::HasSubstr("measurement that is not finite"));
   EXPECT_THROW(graph.addNode({0, kInfinity, 0}), core::ContractError);
-  EXPECT_THROW(graph.setPose(1, {0, kNan, 0}), core::ContractError);
+  EXPECT_THROW(graph.setPose(1, {0, kNaN, 0}), core::ContractError);
   EXPECT_THROW(graph.setPose(2, {}), core::ContractError);
   EXPECT_THROW(graph.setFixed(-1), core::ContractError);
   EXPECT_THROW(graph.setOn(0, true), core::ContractError);
@@ -88,7 +87,7 @@ TEST(PoseGraph, InformationMayBeSingularButNotIndefinite) {
   information(0, 1) = 0.1;
   EXPECT_STREQ(informationProblem(information), "not symmetric");
   EXPECT_STREQ(informationProblem(Eigen::Matrix3d::Zero()), "zero");
-  EXPECT_STREQ(informationProblem(Eigen::Matrix3d::Constant(kNan)), "an entry that is not finite");
+  EXPECT_STREQ(informationProblem(Eigen::Matrix3d::Constant(kNaN)), "an entry that is not finite");
   PoseGraph graph = twoNodes();
   Edge edge = edgeBetween(0, 1);
   edge.information.setZero();

@@ -1,10 +1,10 @@
 #include "libslam/rays/original_ray.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/random.h"
 #include "libslam/rays/ray_caster.h"
@@ -14,8 +14,8 @@ namespace slam::rays {
 namespace {
 
 using core::degToRad;
+using core::kInfinity;
 using core::kPi;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double castDegrees(const world::Plan& plan, const core::Point2& origin, double angle_deg,
                    double max_range_m = 0) {

@@ -1,4 +1,5 @@
 #include "libslam/rays/ray_caster.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +15,8 @@
 namespace slam::rays {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kInfinity;
+using core::kNaN;
 using core::kPi;
 
 const world::Plan& room() {

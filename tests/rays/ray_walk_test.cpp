@@ -1,4 +1,5 @@
 #include "libslam/rays/ray_walk.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@
 namespace slam::rays {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
 
 /// A cell that a walk entered.
 struct Visit {

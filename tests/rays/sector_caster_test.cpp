@@ -1,4 +1,5 @@
 #include "libslam/rays/sector_caster.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
@@ -21,8 +22,8 @@
 namespace slam::rays {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kInfinity;
+using core::kNaN;
 using core::kPi;
 
 template <class Number>

@@ -69,12 +69,12 @@ TEST(Sensors, RefuseWhatTheOtherOneHas) {
 TEST(Sensors, RefuseACameraThatSeesNoFloorOrHasNoSuchLens) {
   const std::string camera = "[sensor]\nkind = camera\n[camera]\n";
   EXPECT_THAT(errorOf(camera + "pitch_deg = -40\n"),
-              testing::StartsWith("section [camera], key 'pitch_deg': found '-40'"));
+              ::testing::StartsWith("section [camera], key 'pitch_deg': found '-40'"));
   for (const char* key : {"fov_x_deg", "fov_y_deg"})
     for (const char* value : {"0", "180", "-10"})
       EXPECT_THAT(errorOf(camera + key + " = " + value + "\n"),
-                  testing::HasSubstr("key '" + std::string(key) + "'"));
-  EXPECT_THAT(errorOf(camera + "pich_deg = 3\n"), testing::HasSubstr("did you mean 'pitch_deg'"));
+                  ::testing::HasSubstr("key '" + std::string(key) + "'"));
+  EXPECT_THAT(errorOf(camera + "pich_deg = 3\n"), ::testing::HasSubstr("did you mean 'pitch_deg'"));
 }
 
 }  // namespace

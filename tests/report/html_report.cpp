@@ -1,10 +1,10 @@
 #include "libslam/report/html_report.h"
+#include "libslam/core/numbers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/error.h"
 #include "libslam/draw/page_text.h"
@@ -18,7 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 world::Plan room() {
   world::Plan plan;
@@ -67,7 +67,7 @@ ReportPage smallPage() {
   page.runs = {run};
   page.tables = {{"Accuracy",
                   {{"method", "method"}, {"ate_m", "ATE m"}},
-                  {{std::string("graph"), 0.05}, {std::string("lost"), kNan}},
+                  {{std::string("graph"), 0.05}, {std::string("lost"), kNaN}},
                   {}}};
   return page;
 }
@@ -252,7 +252,7 @@ TEST(HtmlReport, ThePlayerKnowsOperationsGoalsMomentsAndTheOnlinePath) {
   auto& replay = page.replays[0];
   replay.operations.assign(replay.scans.size(), "");
   replay.operations[1] = "t 0.2094";
-  replay.goals = {{2, {1.5, 3}}, {4, {kNan, kNan}}};
+  replay.goals = {{2, {1.5, 3}}, {4, {kNaN, kNaN}}};
   replay.moments = {{3, "collision", "", {1.25, 3}}};
   page.runs[0].online = page.runs[0].path;
   const auto html = toHtml(page);
@@ -270,7 +270,7 @@ TEST(HtmlReport, ErrorsBelongToPoses) {
 
 TEST(PagePlot, AnOutlineKeepsCornersDropsTheRestAndBreaksAtHoles) {
   EXPECT_EQ(pathOutline({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}}, 0.01), "M0.00 0.00 2.00 0.00 2.00 -2.00");
-  EXPECT_EQ(pathOutline({{0, 0}, {1, 0}, {kNan, 0}, {5, 1}, {6, 1}}, 0.01),
+  EXPECT_EQ(pathOutline({{0, 0}, {1, 0}, {kNaN, 0}, {5, 1}, {6, 1}}, 0.01),
             "M0.00 0.00 1.00 0.00 M5.00 -1.00 6.00 -1.00");
   EXPECT_EQ(pathOutline({}, 0.01), "");
 }
@@ -278,7 +278,7 @@ TEST(PagePlot, AnOutlineKeepsCornersDropsTheRestAndBreaksAtHoles) {
 TEST(PagePlot, ErrorsAreColouredByClass) {
   const core::Trajectory path = {{0, {0, 0, 0}}, {1, {1, 0, 0}}, {2, {2, 0, 0}}, {3, {3, 0, 0}}};
   const draw::Window window{0, 0, 3, 3};
-  const auto elements = errorPathElements(path, {0.001, 0.2, kNan, 0.2}, window);
+  const auto elements = errorPathElements(path, {0.001, 0.2, kNaN, 0.2}, window);
   EXPECT_THAT(elements, HasSubstr("d=\"M0.00 0.00 1.00 0.00\" stroke=\"" + draw::cssColour(draw::kBlue)));
   EXPECT_THAT(elements, HasSubstr("d=\"M1.00 0.00 2.00 0.00\" stroke=\"" + draw::cssColour(draw::kOrange)));
   EXPECT_THAT(elements, Not(HasSubstr("3.00 0.00\"")));  // from a pose without truth nothing is known
@@ -286,7 +286,7 @@ TEST(PagePlot, ErrorsAreColouredByClass) {
 
 TEST(PagePlot, AChartOfNothingIsNothing) {
   EXPECT_EQ(timeChart({}, "c", "error (m)", 10), "");
-  EXPECT_EQ(timeChart({{"a", draw::kBlue, {0, 1}, {kNan, 0}}}, "c", "error (m)", 10), "");
+  EXPECT_EQ(timeChart({{"a", draw::kBlue, {0, 1}, {kNaN, 0}}}, "c", "error (m)", 10), "");
   EXPECT_THAT(timeChart({{"a", draw::kBlue, {0, 1}, {0.1, 0.2}}}, "c", "error (m)", 10),
               HasSubstr("data-method=\"a\""));
 }
@@ -297,7 +297,7 @@ PageChart chartOf(const std::vector<core::Point2>& points) {
 
 TEST(PageChart, AChartOfNothingIsNothing) {
   EXPECT_EQ(chartElement(chartOf({})), "");
-  EXPECT_EQ(chartElement(chartOf({{kNan, 1}, {1, kNan}})), "");
+  EXPECT_EQ(chartElement(chartOf({{kNaN, 1}, {1, kNaN}})), "");
 }
 
 // The drawing is 720 by 340, its axes from 78 to 698 and from 290 up to 16.
@@ -312,8 +312,8 @@ TEST(PageChart, PointsLieWhereTheAxesSay) {
 TEST(PageChart, AnIntervalIsDrawnAndABrokenPointHasACross) {
   auto chart = chartOf({{0, 1}, {10, 2}});
   chart.y_max = 4;
-  chart.curves[0].low = {0.5, kNan};
-  chart.curves[0].high = {3, kNan};
+  chart.curves[0].low = {0.5, kNaN};
+  chart.curves[0].high = {3, kNaN};
   chart.curves[0].broken = {false, true};
   chart.curves[0].note = "breaks at 10";
   const auto html = chartElement(chart);

@@ -1,10 +1,10 @@
 #include "libslam/robot/camera.h"
+#include "libslam/core/numbers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/error.h"
 
@@ -12,7 +12,7 @@ namespace slam::robot {
 namespace {
 
 using core::degToRad;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
 
 FloorCamera camera(double height_m = 0.5, double pitch_deg = 25, double fov_x_deg = 60,
                    double fov_y_deg = 45) {

@@ -1,10 +1,10 @@
 #include "libslam/score/gate.h"
+#include "libslam/core/numbers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
@@ -18,7 +18,7 @@ using stats::Better;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 const double kFailed = stats::failedValue(Better::kSmaller);
 
 GateRow ateRow(std::vector<double> values, double relative, double absolute) {

@@ -1,10 +1,10 @@
 #include "libslam/stats/bootstrap.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "libslam/core/error.h"
@@ -14,8 +14,8 @@
 namespace slam::stats {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
+using core::kNaN;
 
 // Test A of 26 neurologically impaired children: Efron and Tibshirani, An Introduction to the Bootstrap,
 // 1993, table 14.1.

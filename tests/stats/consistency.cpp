@@ -1,9 +1,9 @@
 #include "libslam/stats/consistency.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
@@ -100,7 +100,7 @@ TEST(Consistency, HasNoIntervalForOneRunAndNoFiguresForNone) {
 }
 
 TEST(Consistency, ClaimedCertaintiesLieOutsideOfEveryEllipse) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  using core::kInfinity;
   const auto half = consistency({{1, kInfinity}, {kInfinity, 5}}, 3);
   EXPECT_DOUBLE_EQ(half->anees.value, 1);  // of 1 and 5 over 3
   EXPECT_DOUBLE_EQ(half->singular_share, 0.5);

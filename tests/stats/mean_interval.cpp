@@ -1,4 +1,5 @@
 #include "libslam/stats/mean_interval.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +12,8 @@
 namespace slam::stats {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
+using core::kNaN;
 
 MeanOptions errors() {
   MeanOptions options;

@@ -1,9 +1,9 @@
 #include "libslam/stats/paired.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
@@ -11,8 +11,8 @@
 namespace slam::stats {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
+using core::kNaN;
 
 // Nine patients' depression factor before and after a tranquilizer: Hollander and Wolfe, Nonparametric
 // Statistical Methods, table 3.1.

@@ -1,4 +1,5 @@
 #include "libslam/table/table.h"
+#include "libslam/core/numbers.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@
 namespace slam::table {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 Table comparison() {
   return {"Office",
@@ -102,13 +103,13 @@ TEST(Table, AsLatexEscapesEveryCommand) {
 }
 
 TEST(Table, AsLatexHasTheBestInBoldAsPeopleReadIt) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  using core::kNaN;
   const Table table{
       "",
       {{"m", "method"}, {"ate_m", "ATE m", 2}, {"f1", "F1", 2}, {"n", "n", 0}, {"x_m", "x m", 0}},
       {{"a", 0.104, 0.5, 7.0, 1.0},
        {"b", 0.101, 0.9, 7.0, 2.0},
-       {"c", kNan, 0.1, 7.0, 3.0},
+       {"c", kNaN, 0.1, 7.0, 3.0},
        {"d", 0.2, INFINITY, 7.0, 4.0}},
       {}};
   const auto text =
