@@ -9,7 +9,9 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
 
   build    install what is missing, configure and build (build/release)
   demo     build, then simulate a robot, run the SLAM methods, print the table (ARGUMENTS go to `rasterslam demo`)
-  test     build, then run all tests
+  test     build, then run the tests, but for those that take long (ARGUMENTS go to ctest)
+  long     build, then run the tests that take long: whole commands, every command that README and documentation print, the
+           lessons, an installed copy, sweeps under kills, calls of the system that fail (ARGUMENTS go to ctest)
   bench    build with benchmarks, then run them (ARGUMENTS go to the benchmark)
   schedulers   install GNU parallel and Slurm, with which `test` then tries sweeps (without: those tests skip)
   page     install Node.js and Chromium, make the HTML report's bundle; `test` then tries the report in the browser
@@ -127,12 +129,14 @@ case "$verb" in
     build release 7 programs
     build/release/apps/rasterslam demo "${arguments[@]}"
     ;;
-  test)
+  test | long)
     install_missing "${packages[@]}"
     mapfile -t extras < <(available_packages "${format_packages[@]}" "${oracle_packages[@]}")
     install_missing "${extras[@]}"
     build release 15
-    ctest --preset release -j "$(nproc)" "${arguments[@]}"
+    which=(-LE '^long$')
+    if [ "$verb" = long ]; then which=(-L '^long$'); fi
+    ctest --preset release -j "$(nproc)" "${which[@]}" "${arguments[@]}"
     ;;
   schedulers)
     install_missing "${scheduler_packages[@]}"

@@ -106,13 +106,14 @@ function(slam_add_room)
   target_link_libraries(${target} PUBLIC ${R_ROOMS} ${R_LIBRARIES} PRIVATE $<BUILD_INTERFACE:slam_build_flags>)
 endfunction()
 
-# One test program per room: tests/<name>/*.cpp, linked with slam::<name> and slam::testing. ctest runs it suite by suite,
-# longer suites by parts of CASES tests (12). One case: build/release/tests/test_<name> --gtest_filter=Suite.Case
-#   slam_add_tests(world [LIBRARIES ...] [LABELS ...] [CASES n] [APART world/a_test.cpp])
+# One test program per room: tests/<name>/*.cpp, linked with slam::<name> and slam::testing. ctest runs it by parts of CASES
+# tests (24). One case: build/release/tests/test_<name> --gtest_filter=Suite.Case
+# Suites that are LONG are run by ./bootstrap.sh long.
+#   slam_add_tests(world [LIBRARIES ...] [LONG Suite ...] [CASES n] [APART world/a_test.cpp])
 function(slam_add_tests name)
-  cmake_parse_arguments(T "" "CASES" "LIBRARIES;LABELS;APART" ${ARGN})
+  cmake_parse_arguments(T "" "CASES" "LIBRARIES;LONG;APART" ${ARGN})
   if(NOT T_CASES)
-    set(T_CASES 12)
+    set(T_CASES 24)
   endif()
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
   if(NOT sources)
@@ -133,12 +134,13 @@ function(slam_add_tests name)
   if(RASTERSLAM_SANITIZE)
     set(timeout 2400)
   endif()
+  list(JOIN T_LONG " " long)
   set(listed ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_suites.cmake)
   set(script ${PROJECT_SOURCE_DIR}/cmake/list_suites.cmake)
   set_property(TARGET test_${name} APPEND PROPERTY LINK_DEPENDS ${script})
   add_custom_command(TARGET test_${name} POST_BUILD BYPRODUCTS ${listed}
     COMMAND ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:test_${name}> -D NAME=${name} -D MOST=${T_CASES}
-            -D "LABELS=${T_LABELS}" -D TIMEOUT=${timeout} -D "ENVIRONMENT=${slam_test_environment}"
+            -D "LONG=${long}" -D TIMEOUT=${timeout} -D "ENVIRONMENT=${slam_test_environment}"
             -D OUTPUT=${listed} -P ${script} VERBATIM)
   set(included ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_include.cmake)
   file(WRITE ${included} "if(EXISTS \"${listed}\")\n  include(\"${listed}\")\nelse()\n"
