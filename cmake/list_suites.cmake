@@ -3,6 +3,7 @@
 # Writes ctest tests of up to MOST cases each, in the program's order: `world.First` or `world.First_to_Last`, by its suites. A
 # test for each case, or suite, would start the program each time, and with MRPT's libraries that takes longer than most cases
 # do. Suites in LONG (a list in words) come apart from the rest, three cases in a test, and have the label `long`.
+cmake_minimum_required(VERSION 3.20)
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE result)
 if(NOT result EQUAL 0)
   message(FATAL_ERROR "${PROGRAM} --gtest_list_tests: found exit code ${result}, expected 0")

@@ -43,14 +43,6 @@ void KeyframeMap::settle() {
   ++revision_;
 }
 
-void KeyframeMap::updateCovariances() {
-  const auto covariances = keyframeCovariances();
-  for (size_t i = 0; i < covariances.size(); ++i) {
-    keyframes_[i].covariance = covariances[i];
-    keyframes_[i].root = scanmatch::rootOf(covariances[i] + keyframes_[i].noise);
-  }
-}
-
 void KeyframeMap::noteExplained(double share) {
   constexpr double kMostCounted = 1000;
   explained_count_ = std::min(explained_count_ + 1, kMostCounted);

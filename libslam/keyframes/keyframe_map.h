@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,10 @@
 #include "libslam/keyframes/links.h"
 #include "libslam/keyframes/types.h"
 #include "libslam/posegraph/pose_graph.h"
+
+namespace slam::posegraph {
+class Marginals;
+}
 
 namespace slam::keyframes {
 
@@ -129,6 +134,10 @@ class KeyframeMap {
   // witnesses.cpp
   /// The keyframes, with what is known of each from one other, and of a loop as much as one match tells.
   posegraph::PoseGraph witnesses() const;
+  /// How sure the way between two keyframes is, by witnesses(): of b's x, y, phi in a's frame. Loops count as
+  /// they did at the last updateCovariances(). Cost: the keyframes on the way that came since, and two chains
+  /// of an elimination tree.
+  Eigen::Matrix3d wayCovariance(int a, int b) const;
   std::vector<Eigen::Matrix3d> keyframeCovariances() const;
 
  private:
@@ -145,6 +154,12 @@ class KeyframeMap {
   double explained_ = 1, explained_count_ = 0;
   int revision_ = 0, scan_ = 0;
   mutable LevelMaps scratch_;  ///< of mapOf()
+  struct Known {
+    int from;
+    Eigen::Matrix3d information;  ///< body frame
+  };
+  Known knownFrom(int k) const;
+  std::shared_ptr<const posegraph::Marginals> settled_;  ///< of updateCovariances()
 };
 
 }  // namespace slam::keyframes

@@ -33,6 +33,12 @@ double PointNoise::variance() const {
   return squared_ / dimensions_ * std::max(common, 1.0);
 }
 
+KeyframeMap::Known KeyframeMap::knownFrom(int k) const {
+  if (keyframe(k).matched_to >= 0) return {keyframe(k).matched_to, keyframe(k).information};
+  const posegraph::Edge& edge = graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)];
+  return {edge.from, edge.information};
+}
+
 posegraph::PoseGraph KeyframeMap::witnesses() const {
   posegraph::PoseGraph result;
   for (const Pose2& T : graph_.poses()) result.addNode(T);
@@ -44,10 +50,10 @@ posegraph::PoseGraph KeyframeMap::witnesses() const {
     result.addEdge(edge);
   };
   for (int k = 1; k < graph_.nodeCount(); ++k) {
-    posegraph::Edge known = edges[static_cast<size_t>(keyframe(k).odometry_edge)];
-    if (keyframe(k).matched_to >= 0)
-      known.from = keyframe(k).matched_to, known.information = keyframe(k).information;
-    add(known, known.information);
+    const Known known = knownFrom(k);
+    posegraph::Edge edge;
+    edge.from = known.from, edge.to = k;
+    add(edge, known.information);
   }
   // A loop's edges were added in a row, some for each of its keyframes.
   const double variance = kBothViews * point_noise_.variance() * matchOptions(1).information_scale;
@@ -64,11 +70,62 @@ posegraph::PoseGraph KeyframeMap::witnesses() const {
   return result;
 }
 
-std::vector<Eigen::Matrix3d> KeyframeMap::keyframeCovariances() const {
-  // Leaps of odometry may leave a pose held by no more than rounding.
-  auto covariances = posegraph::Marginals(witnesses(), posegraph::Marginals::Open::kBounded).all();
+namespace {
+
+/// Leaps of odometry may leave a pose held by no more than rounding.
+constexpr auto kOpen = posegraph::Marginals::Open::kBounded;
+
+std::vector<Eigen::Matrix3d> covariancesOf(const posegraph::Marginals& marginals) {
+  auto covariances = marginals.all();
   for (auto& covariance : covariances) covariance = scanmatch::withoutNegatives(covariance, kLeastShare, 0);
   return covariances;
+}
+
+}  // namespace
+
+std::vector<Eigen::Matrix3d> KeyframeMap::keyframeCovariances() const {
+  return covariancesOf(posegraph::Marginals(witnesses(), kOpen));
+}
+
+void KeyframeMap::updateCovariances() {
+  settled_ = std::make_shared<const posegraph::Marginals>(witnesses(), kOpen);
+  const auto covariances = covariancesOf(*settled_);
+  for (size_t i = 0; i < covariances.size(); ++i) {
+    keyframes_[i].covariance = covariances[i];
+    keyframes_[i].root = scanmatch::rootOf(covariances[i] + keyframes_[i].noise);
+  }
+}
+
+/// A keyframe that came since is known from one other, and tells nothing of it: its error is that one's,
+/// moved, and one of its own. So both ways back are followed until they meet, or are known together.
+Eigen::Matrix3d KeyframeMap::wayCovariance(int a, int b) const {
+  struct End {
+    int at;
+    Eigen::Matrix3d own = Eigen::Matrix3d::Zero();  ///< of the end's error, map frame
+  };
+  const int settled = settled_ ? settled_->nodeCount() : 1;
+  End ends[2] = {{a}, {b}};
+  while (ends[0].at != ends[1].at && std::max(ends[0].at, ends[1].at) >= settled) {
+    End& end = ends[ends[1].at > ends[0].at];
+    const Point2 here = core::position(pose(end.at)), of_end = core::position(pose(&end == ends ? a : b));
+    const Known known = knownFrom(end.at);
+    const Eigen::Matrix3d step = scanmatch::turned(
+        scanmatch::covarianceOf(scanmatch::edgeInformation(known.information, 0)), -pose(end.at).phi);
+    const Eigen::Matrix3d J = moved(here, of_end);
+    end.own += J * step * J.transpose();
+    end.at = known.from;
+  }
+  Eigen::Matrix<double, 6, 6> joint = Eigen::Matrix<double, 6, 6>::Zero();
+  // What both have in common moves them as one.
+  if (ends[0].at != ends[1].at) {
+    Eigen::Matrix<double, 6, 6> J = Eigen::Matrix<double, 6, 6>::Zero();
+    J.topLeftCorner<3, 3>() = moved(core::position(pose(ends[0].at)), core::position(pose(a)));
+    J.bottomRightCorner<3, 3>() = moved(core::position(pose(ends[1].at)), core::position(pose(b)));
+    joint = J * settled_->joint(ends[0].at, ends[1].at) * J.transpose();
+  }
+  joint.topLeftCorner<3, 3>() += ends[0].own;
+  joint.bottomRightCorner<3, 3>() += ends[1].own;
+  return posegraph::relativeCovariance(joint, pose(a), pose(b));
 }
 
 }  // namespace slam::keyframes

@@ -290,7 +290,8 @@ void LoopCloser::forget() {
 }
 
 LoopJudge LoopCloser::judge() const {
-  return LoopJudge([this] { return map_->witnesses(); }, map_->keyframes());
+  return LoopJudge(map_->graph().poses(), map_->keyframes(),
+                   [this](int a, int b) { return map_->wayCovariance(a, b); });
 }
 
 }  // namespace slam::loops

@@ -24,11 +24,6 @@ bool isTold(const keyframes::Hypothesis& place) {
 
 double LoopJudge::innovation(const keyframes::Hypothesis& loop) {
   if (loop.innovation >= 0) return loop.innovation;
-  if (!way_) {
-    const posegraph::PoseGraph graph = witnesses_();
-    poses_ = graph.poses();
-    way_.emplace(graph, posegraph::Marginals::Open::kBounded);
-  }
   const Pose2& T_map_old = poses_[static_cast<size_t>(loop.old_keyframe)];
   const Pose2 by_way = core::between(T_map_old, poses_[static_cast<size_t>(loop.keyframe)]),
               by_scans = core::between(T_map_old, loop.T_map_robot);
@@ -36,8 +31,7 @@ double LoopJudge::innovation(const keyframes::Hypothesis& loop) {
                             core::angleDifference(by_scans.phi, by_way.phi));
   const Eigen::Matrix3d noise =
       scanmatch::turned(keyframes_[static_cast<size_t>(loop.keyframe)].noise, T_map_old.phi);
-  const Eigen::Matrix3d expected =
-      way_->relative(loop.old_keyframe, loop.keyframe) + keyframes::kBothViews * noise;
+  const Eigen::Matrix3d expected = way_(loop.old_keyframe, loop.keyframe) + keyframes::kBothViews * noise;
   return off.dot(scanmatch::covarianceOf(expected) * off);
 }
 

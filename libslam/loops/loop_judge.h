@@ -1,11 +1,10 @@
 #pragma once
 #include <functional>
-#include <optional>
 #include <utility>
 #include <vector>
 
+#include "libslam/core/pose2.h"
 #include "libslam/keyframes/types.h"
-#include "libslam/posegraph/marginals.h"
 
 namespace slam::loops {
 
@@ -16,15 +15,15 @@ namespace slam::loops {
 /// and Navigation, 2001. Weighing places against each other, scan by scan, is ours.
 class LoopJudge {
  public:
-  /// `witnesses` gives the keyframes' poses and what is known of them from one another; it is asked once,
-  /// when the first question comes. The keyframes have to stay as they are meanwhile.
-  LoopJudge(std::function<posegraph::PoseGraph()> witnesses,
-            const std::vector<keyframes::Keyframe>& keyframes)
-      : witnesses_(std::move(witnesses)), keyframes_(keyframes) {}
+  /// Of the keyframes' poses in the map, and how sure the way from the first to the second is: of the second
+  /// one's x, y, phi in the first one's frame. All have to stay as they are meanwhile.
+  using Way = std::function<Eigen::Matrix3d(int, int)>;
+  LoopJudge(const std::vector<core::Pose2>& poses, const std::vector<keyframes::Keyframe>& keyframes, Way way)
+      : poses_(poses), keyframes_(keyframes), way_(std::move(way)) {}
 
   /// How far a loop lies from where the way between has its keyframe: squared, in standard deviations of that
-  /// way and of the scans. Of chi-square's distribution with three degrees of freedom when it is right. The
-  /// first one costs a factorisation, but for a loop that was asked before.
+  /// way and of the scans. Of chi-square's distribution with three degrees of freedom when it is right. Of
+  /// a loop that was asked before: what was said then.
   double innovation(const keyframes::Hypothesis& loop);
   /// What lies beyond the map can be anything. Where the robot comes to the map from outside, its place may
   /// be one of those that the map says little of as yet.
@@ -34,10 +33,9 @@ class LoopJudge {
               Beyond beyond);
 
  private:
-  std::function<posegraph::PoseGraph()> witnesses_;
-  std::vector<core::Pose2> poses_;
-  std::optional<posegraph::Marginals> way_;
+  const std::vector<core::Pose2>& poses_;
   const std::vector<keyframes::Keyframe>& keyframes_;
+  Way way_;
 };
 
 }  // namespace slam::loops

@@ -57,12 +57,16 @@ Eigen::Matrix<double, 6, 6> Marginals::joint(int a, int b) const {
 
 Eigen::Matrix3d Marginals::relative(int a, int b) const {
   const Eigen::Matrix<double, 6, 6> both = joint(a, b);
-  const core::Pose2 &T_map_a = poses_[static_cast<size_t>(a)], &T_map_b = poses_[static_cast<size_t>(b)];
+  return relativeCovariance(both, poses_[static_cast<size_t>(a)], poses_[static_cast<size_t>(b)]);
+}
+
+Eigen::Matrix3d relativeCovariance(const Eigen::Matrix<double, 6, 6>& joint, const core::Pose2& T_map_a,
+                                   const core::Pose2& T_map_b) {
   const auto [s, c] = core::sinCos(T_map_a.phi);
   const double dx = T_map_b.x - T_map_a.x, dy = T_map_b.y - T_map_a.y;
   Eigen::Matrix<double, 3, 6> J;
   J << -c, -s, c * dy - s * dx, c, s, 0, s, -c, -c * dx - s * dy, -s, c, 0, 0, 0, -1, 0, 0, 1;
-  return J * both * J.transpose();
+  return J * joint * J.transpose();
 }
 
 }  // namespace slam::posegraph

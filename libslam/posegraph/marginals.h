@@ -7,6 +7,11 @@
 
 namespace slam::posegraph {
 
+/// Of T_a_b = T_map_a^-1 * T_map_b: of b's x, y, phi as a sees them. `joint`: of both poses' errors in the
+/// map's frame, rows 0-2 `a`, rows 3-5 `b`.
+Eigen::Matrix3d relativeCovariance(const Eigen::Matrix<double, 6, 6>& joint, const core::Pose2& T_map_a,
+                                   const core::Pose2& T_map_b);
+
 /// How sure a graph is of its poses: covariances at its present poses, from its edges that are on.
 /// First-order, so true after optimize() and for errors well below a radian. Rows and columns are x (m), y
 /// (m), phi (rad).
@@ -26,9 +31,10 @@ class Marginals {
   Eigen::Matrix3d covariance(int node) const;
   /// One per node.
   std::vector<Eigen::Matrix3d> all() const;
+  int nodeCount() const { return static_cast<int>(poses_.size()); }
   /// Joint covariance of two poses: rows 0-2 `a`, rows 3-5 `b`, both in the map's frame.
   Eigen::Matrix<double, 6, 6> joint(int a, int b) const;
-  /// Of T_a_b = T_map_a^-1 * T_map_b: of b's x, y, phi as a sees them.
+  /// Of both poses, see relativeCovariance().
   Eigen::Matrix3d relative(int a, int b) const;
 
  private:

@@ -7,6 +7,7 @@
 
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/search.h"
+#include "libslam/posegraph/marginals.h"
 #include "tests/keyframes/drawn_map.h"
 
 namespace slam::keyframes {
@@ -262,6 +263,46 @@ TEST(Witnesses, EveryLoopCountsByItselfAndOnlyWhileItIsOn) {
   scan.squared = 400, scan.dimensions = 200;
   two.map.pointNoise().add(scan);
   EXPECT_NEAR(two.ofLast()(0, 0), 1 / (50 + 0.5 * told * 100), 1e-9);
+}
+
+/// A winding way, with a turn in it and a keyframe that was matched to one of long ago.
+struct WindingWay : Chain {
+  void driveOn(int count) {
+    for (int i = 0; i < count; ++i) {
+      const int k = map.size();
+      const core::Pose2 T = map.pose(k - 1) * core::Pose2{0.8, 0.1 * (k % 3), 0.4};
+      addKeyframe(map, T, roundRoom(5), k, -1);
+      posegraph::Edge edge;
+      edge.from = k - 1, edge.to = k, edge.T_from_to = core::between(map.pose(k - 1), T);
+      edge.information = diagonal(100 + k, 150, 1e4);
+      edge.information(0, 2) = edge.information(2, 0) = 30.0 * k;
+      map.keyframes().back().odometry_edge = map.graph().addEdge(edge);
+      map.keyframes().back().matched_to = k % 4 == 0 ? k - 3 : -1;
+      map.keyframes().back().information = diagonal(300, 200, 2e4);
+    }
+  }
+  /// The largest difference from what all witnesses say together, over all pairs; of variances about 0.1.
+  double worst() const {
+    const posegraph::Marginals all(map.witnesses());
+    double worst = 0;
+    for (int a = 0; a < map.size(); ++a)
+      for (int b = 0; b < map.size(); ++b)
+        if (a != b)
+          worst = std::max(worst, (map.wayCovariance(a, b) - all.relative(a, b)).cwiseAbs().maxCoeff());
+    return worst;
+  }
+};
+
+TEST(Witnesses, TheWayBetweenTwoIsKnownWithoutAskingAll) {
+  WindingWay way;
+  way.driveOn(9);
+  EXPECT_LT(way.worst(), 1e-9) << "no loop yet: a tree";
+  way.addLoop({{1, 11}, {2, 11}}, diagonal(40, 30, 400));
+  EXPECT_GT(way.worst(), 1e-3) << "nobody was told of the loop";
+  way.map.updateCovariances();
+  EXPECT_LT(way.worst(), 1e-9);
+  way.driveOn(9);
+  EXPECT_LT(way.worst(), 1e-9) << "some came since";
 }
 
 }  // namespace
