@@ -60,8 +60,10 @@ class KeyframeMap {
   void removeClosure(int a, int b);
   /// The shortest way from a keyframe to every earlier one: what the drift between them grows with.
   std::vector<double> pathTo(int keyframe) const;
-  /// After the poses have moved: lengths of links; and then how sure the poses are.
+  /// After the poses have moved: lengths of links; then how sure the ways between them are; and then, of the
+  /// keyframes that there were at that, how sure the poses are.
   void settle();
+  void updateWays();
   void updateCovariances();
 
   /// The map around a new keyframe explains this share of its scan, 0..1.
@@ -135,7 +137,7 @@ class KeyframeMap {
   /// The keyframes, with what is known of each from one other, and of a loop as much as one match tells.
   posegraph::PoseGraph witnesses() const;
   /// How sure the way between two keyframes is, by witnesses(): of b's x, y, phi in a's frame. Loops count as
-  /// they did at the last updateCovariances(). Cost: the keyframes on the way that came since, and two chains
+  /// they did at the last updateWays(). Cost: the keyframes on the way that came since, and two chains
   /// of an elimination tree.
   Eigen::Matrix3d wayCovariance(int a, int b) const;
   std::vector<Eigen::Matrix3d> keyframeCovariances() const;
@@ -159,7 +161,7 @@ class KeyframeMap {
     Eigen::Matrix3d information;  ///< body frame
   };
   Known knownFrom(int k) const;
-  std::shared_ptr<const posegraph::Marginals> settled_;  ///< of updateCovariances()
+  std::shared_ptr<const posegraph::Marginals> settled_;  ///< of updateWays()
 };
 
 }  // namespace slam::keyframes

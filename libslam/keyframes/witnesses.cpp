@@ -87,8 +87,11 @@ std::vector<Eigen::Matrix3d> KeyframeMap::keyframeCovariances() const {
   return covariancesOf(posegraph::Marginals(witnesses(), kOpen));
 }
 
-void KeyframeMap::updateCovariances() {
+void KeyframeMap::updateWays() {
   settled_ = std::make_shared<const posegraph::Marginals>(witnesses(), kOpen);
+}
+
+void KeyframeMap::updateCovariances() {
   const auto covariances = covariancesOf(*settled_);
   for (size_t i = 0; i < covariances.size(); ++i) {
     keyframes_[i].covariance = covariances[i];

@@ -1,3 +1,4 @@
+#include <limits>
 #include <memory>
 
 #include "libslam/loops/loop_closer.h"
@@ -13,6 +14,8 @@ using core::Pose2;
 
 /// All poses together are found to so many standard deviations; the last step makes it the square of that.
 constexpr double kFound = 0.05;
+/// To find out how sure the ways are takes as long as so many multiplications for each keyframe.
+constexpr double kWorkPerWay = 7000;
 
 }  // namespace
 
@@ -44,26 +47,30 @@ bool LoopCloser::continueClosing(bool may_move) {
     double work = most;
     closing_->is_found = closing_->work->advance(work);
     // To take them over is work, too.
-    if (work < most / 2) return false;
+    if (!closing_->is_found || work < most / 2) return false;
   }
   if (!may_move) return false;
-  if (closing_)
-    takeOver();
-  else
-    updateCovariances();
+  if (!closing_) return updateCovariances(workOfScan());
+  takeOver();
   return true;
 }
 
 bool LoopCloser::completeClosing() {
   if (!isClosing()) return false;
   if (closing_) takeOver();
-  updateCovariances();
-  return true;
+  return updateCovariances(std::numeric_limits<double>::infinity());
 }
 
-void LoopCloser::updateCovariances() {
+/// In two pieces where the map is large. True when all is done.
+bool LoopCloser::updateCovariances(double work) {
+  if (has_old_ways_) {
+    map_->updateWays();
+    has_old_ways_ = false;
+    if (kWorkPerWay * map_->size() > work) return false;
+  }
   map_->updateCovariances();
   has_old_covariances_ = false;
+  return true;
 }
 
 bool LoopCloser::closeRest() {
@@ -95,7 +102,7 @@ void LoopCloser::takeOver() {
   closing_.reset();
   for (auto& place : hypotheses_) place.innovation = -1;
   map_->settle();
-  has_old_covariances_ = true;
+  has_old_covariances_ = has_old_ways_ = true;
   searched_m_ = map_->path_m();
   map_->note(core::JournalEvent::kOptimised, chi2);
 }

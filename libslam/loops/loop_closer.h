@@ -73,15 +73,16 @@ class LoopCloser {
   void beginClosing(const keyframes::Hypothesis& loop, bool is_linked);
   void beginClosing();
   void takeOver();
-  void updateCovariances();
+  bool updateCovariances(double work);
 
   keyframes::KeyframeMap* map_;
   const keyframes::GraphOptions* options_;
   std::vector<keyframes::Hypothesis> hypotheses_;
   std::optional<keyframes::Closing> closing_;
-  bool has_old_covariances_ = false;  ///< of the keyframes, since they moved
-  size_t solved_edges_ = 0;           ///< of the graph, when all poses were found last
-  double searched_m_ = 0;             ///< where on the way the last search was
+  /// Of the keyframes, since they moved; `ways`: of what lies between them, too.
+  bool has_old_covariances_ = false, has_old_ways_ = false;
+  size_t solved_edges_ = 0;  ///< of the graph, when all poses were found last
+  double searched_m_ = 0;    ///< where on the way the last search was
   PlaceSearch search_;
   double scan_m_ = 0,
          scanned_m_ = 0;  ///< way to the last scan from the one before; where on the way that was

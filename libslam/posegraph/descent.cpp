@@ -97,16 +97,23 @@ void Descent::judgeStep() {
 }
 
 bool Descent::advance(double& work) {
-  while (work > 0 && doing_ != Doing::kNothing) {
+  for (bool is_first = true; work > 0 && doing_ != Doing::kNothing; is_first = false) {
     if (doing_ == Doing::kFactorise) {
       const auto progress = system_.advanceFactorization(work);
-      if (progress == sparse::BlockCholesky::Progress::kDone) takeStep();
+      if (progress == sparse::BlockCholesky::Progress::kDone) doing_ = Doing::kSolve;
       if (progress == sparse::BlockCholesky::Progress::kFailed) raiseDamping(), iterate();
+      continue;
+    }
+    if (doing_ == Doing::kSolve) {
+      const double cost = system_.workOfSolving();
+      if (cost > work && !is_first) return false;  // a piece of its own
+      work -= cost;
+      takeStep();
       continue;
     }
     const bool tries = doing_ == Doing::kTry;
     if (!system_.lineariseMore(graph_, tries ? next_ : poses_, weights_, work)) continue;
-    if (doing_ == Doing::kStart) chi2_ = system_.weightedChi2();
+    if (doing_ == Doing::kStart) first_chi2_ = chi2_ = system_.weightedChi2();
     if (tries)
       judgeStep();
     else

@@ -23,12 +23,13 @@ class Descent {
 
   const std::vector<core::Pose2>& poses() const { return poses_; }
   double chi2() const { return chi2_; }
-  int iterations() const { return iterations_; }  ///< factorisations
+  double firstChi2() const { return first_chi2_; }  ///< where it began
+  int iterations() const { return iterations_; }    ///< factorisations
   bool converged() const { return converged_; }
 
  private:
   /// What the piece to come goes on with: kStart, kBack linearise at poses_, kTry at next_.
-  enum class Doing { kStart, kFactorise, kTry, kBack, kNothing };
+  enum class Doing { kStart, kFactorise, kSolve, kTry, kBack, kNothing };
   void linearise(Doing doing);
   void iterate();
   void raiseDamping();
@@ -43,7 +44,7 @@ class Descent {
   double tolerance_;
   int max_iterations_, iterations_ = 0;
   bool converged_ = false, is_last_ = false;
-  double chi2_ = 0, damping_ = 0, share_ = 1;
+  double chi2_ = 0, first_chi2_ = 0, damping_ = 0, share_ = 1;
   std::vector<Eigen::Vector3d> step_;
   Doing doing_ = Doing::kStart;
 };

@@ -34,6 +34,7 @@ class GraphSystem {
   void beginFactorization(double damping) { cholesky_.beginFactorization(damping); }
   sparse::BlockCholesky::Progress advanceFactorization(double& work) { return cholesky_.advance(work); }
   void solve(std::vector<Eigen::Vector3d>& step, double& predicted) const;
+  double workOfSolving() const { return cholesky_.workOfSolving(); }
 
   /// Covariance of each used edge's error as the equations have it, by edge; zero for the others. REQUIRES a
   /// factor.

@@ -117,7 +117,7 @@ OptimizeResult OptimizeInPieces::finish() {
   OptimizeResult result;
   result.converged = work_->descent->converged();
   result.iterations = work_->descent->iterations();
-  result.initial_chi2 = work_->graph.chi2();
+  result.initial_chi2 = work_->descent->firstChi2();
   result.final_chi2 = work_->descent->chi2();
   return result;
 }

@@ -16,6 +16,8 @@ using Eigen::Vector3d;
 /// a page takes it some microseconds.
 constexpr double kWorkPerNewScalar = 30;
 constexpr size_t kScalarsAtOnce = 4096;
+/// The factor is read twice, forth and back.
+constexpr double kWorkPerScalarSolved = 15;
 
 /// A pivot below this share of the diagonal entry that it came from is rounding.
 constexpr double kSmallestPivot = 1e-14;
@@ -78,7 +80,9 @@ std::vector<std::pair<int, int>> BlockCholesky::listValues(int size,
 void BlockCholesky::placeValues() {
   values_.resize(pairs_.size());
   value_places_.clear();
+  value_places_.reserve(pairs_.size());
   value_heights_.clear();
+  value_heights_.reserve(pairs_.size());
   for (const auto& [a, b] : pairs_) {
     const int row = std::max(elimination_.position(a), elimination_.position(b)),
               column = std::min(elimination_.position(a), elimination_.position(b));
@@ -211,6 +215,10 @@ bool BlockCholesky::factorize(double damping) {
   beginFactorization(damping);
   double unlimited = std::numeric_limits<double>::infinity();
   return advance(unlimited) == Progress::kDone;
+}
+
+double BlockCholesky::workOfSolving() const {
+  return kWorkPerScalarSolved * static_cast<double>(scalars_);
 }
 
 void BlockCholesky::solve(std::vector<Vector3d>& b) const {

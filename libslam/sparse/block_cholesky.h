@@ -46,6 +46,8 @@ class BlockCholesky {
 
   /// Solves in place. REQUIRES a factor, here and below.
   void solve(std::vector<Eigen::Vector3d>& b) const;
+  /// What that costs, as advance() counts.
+  double workOfSolving() const;
 
   /// A column block of L^-1, which is sparse: what the rows of the inverse are made of.
   struct HalfColumn {

@@ -180,6 +180,7 @@ TEST(KeyframeMap, SettlingTakesLengthsAndCovariancesAnew) {
     map.keyframes()[static_cast<size_t>(k)].noise = 0.21 * Eigen::Matrix3d::Identity();
   map.graph().setPose(2, {1, 4, 0});
   map.settle();
+  map.updateWays();
   map.updateCovariances();
   EXPECT_EQ(map.revision(), 1);
   EXPECT_EQ(map.keyframesAround(1, {1, 0}, 3.9, 9).size(), 2U);

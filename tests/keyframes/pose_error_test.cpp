@@ -299,7 +299,7 @@ TEST(Witnesses, TheWayBetweenTwoIsKnownWithoutAskingAll) {
   EXPECT_LT(way.worst(), 1e-9) << "no loop yet: a tree";
   way.addLoop({{1, 11}, {2, 11}}, diagonal(40, 30, 400));
   EXPECT_GT(way.worst(), 1e-3) << "nobody was told of the loop";
-  way.map.updateCovariances();
+  way.map.updateWays();
   EXPECT_LT(way.worst(), 1e-9);
   way.driveOn(9);
   EXPECT_LT(way.worst(), 1e-9) << "some came since";

@@ -1,7 +1,9 @@
 // What accepting a loop does to a map, by hand: maps in a row, with one edge for a loop.
 #include <gtest/gtest.h>
 
+#include "libslam/keyframes/search.h"
 #include "libslam/loops/loop_closer.h"
+#include "libslam/posegraph/optimize.h"
 #include "tests/keyframes/drawn_map.h"
 
 namespace slam::loops {
@@ -15,9 +17,9 @@ using keyframes::test_maps::roundRoom;
 
 /// Keyframes in a row, half a metre apart by odometry of 10 cm and 10 mrad.
 struct Driven {
-  keyframes::KeyframeMap map{keyframes::GraphOptions{}};
+  keyframes::KeyframeMap map;
   LoopCloser loops{map};
-  explicit Driven(int count) {
+  explicit Driven(int count, const keyframes::GraphOptions& options = {}) : map(options) {
     for (int k = 0; k < count; ++k) add();
     for (auto& keyframe : map.keyframes()) keyframe.matched_to = -1;
   }
@@ -75,6 +77,50 @@ TEST(ClosingLoops, SpreadsTheErrorOverTheWay) {
   }
   EXPECT_EQ(row.map.revision(), 1);
   EXPECT_FALSE(row.loops.completeClosing()) << "there is nothing left";
+}
+
+/// In how many pieces the poses of this graph are found, as LoopCloser asks for them.
+int piecesToFind(const posegraph::PoseGraph& graph, double piece) {
+  posegraph::OptimizeOptions options;
+  options.robust = "none", options.tolerance = 0.05;
+  posegraph::OptimizeInPieces work(graph, options);
+  for (int pieces = 1;; ++pieces)
+    if (double left = piece; work.advance(left)) return pieces;
+}
+
+// A piece may end with much of its work left, where what comes next is too large for that.
+TEST(ClosingLoops, MovesNothingBeforeAllIsFound) {
+  for (const double work : {0.005, 0.01, 0.015, 0.02, 0.025, 0.03, 0.05}) {
+    keyframes::GraphOptions options;
+    options.loop_work = work;
+    Driven row(60, options);
+    ASSERT_TRUE(row.loops.accept(loopTo(row.map, 0, 59, {29, 0, 0}, {25, 25, 2500})));
+    const int needed = piecesToFind(row.map.graph(), work * keyframes::kWorkPerUnit);
+    int pieces = 1;
+    for (; !row.loops.continueClosing(true); ++pieces) ASSERT_LT(pieces, 1000);
+    EXPECT_GE(pieces, needed) << work;
+  }
+}
+
+// How sure the ways are, and then the poses: no scan waits for both where that takes long.
+TEST(ClosingLoops, LearnsHowSureALargeMapIsInTwoPieces) {
+  keyframes::GraphOptions options;
+  options.loop_work = 0.02;
+  Driven row(5, options);
+  ASSERT_TRUE(row.loops.accept(loopTo(row.map, 0, 4, {1.8, 0, 0}, {25, 25, 2500})));
+  int pieces = 0;
+  while (!row.loops.continueClosing(true)) ASSERT_LT(++pieces, 1000);
+  EXPECT_GT(pieces, 0);
+  const Eigen::Matrix3d way = row.map.wayCovariance(0, 4);
+  EXPECT_FALSE(row.loops.continueClosing(true));
+  EXPECT_LT(row.map.wayCovariance(0, 4)(0, 0), 0.9 * way(0, 0)) << "the loop counts";
+  EXPECT_EQ(row.map.keyframe(4).covariance.norm(), 0);
+  EXPECT_TRUE(row.loops.isClosing());
+  row.add();
+  EXPECT_TRUE(row.loops.continueClosing(true));
+  EXPECT_GT(row.map.keyframe(4).covariance.norm(), 0);
+  EXPECT_EQ(row.map.keyframe(5).covariance.norm(), 0) << "it came in between";
+  EXPECT_FALSE(row.loops.isClosing());
 }
 
 TEST(ClosingLoops, JoinsTheEndsOnlyWhenThePosesFollow) {

@@ -1,4 +1,5 @@
 #include "libslam/posegraph/optimize.h"
+#include "libslam/posegraph/graph_system.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -357,6 +358,25 @@ TEST(OptimizeInPieces, GivesTheSameBytesWhateverThePieces) {
       EXPECT_EQ(got.phi, whole.pose(node).phi);
     }
   }
+}
+
+// Where the factorisation has taken up most of a piece, what comes next waits for another.
+TEST(OptimizeInPieces, SolvesInAPieceOfItsOwn) {
+  const PoseGraph noisy = testing::driveOnGrid(400, 3).graph;
+  OptimizeOptions options;
+  options.robust = "none";
+  const double cost = GraphSystem(noisy, edgesOn(noisy)).workOfSolving(), piece = 0.95 * cost;
+  OptimizeInPieces pieces(noisy, options);
+  double most = 0;
+  int count = 0;
+  for (bool is_done = false; !is_done; ++count) {
+    double work = piece;
+    is_done = pieces.advance(work);
+    if (count > 1) most = std::max(most, piece - work);  // the first ones look at the structure
+  }
+  ASSERT_GT(count, 4);
+  EXPECT_GE(most, cost);
+  EXPECT_LT(most, 1.3 * cost);
 }
 
 TEST(OptimizeInPieces, RefusesWhatItDoesNotDo) {
