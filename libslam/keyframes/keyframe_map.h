@@ -61,7 +61,7 @@ class KeyframeMap {
   /// The shortest way from a keyframe to every earlier one: what the drift between them grows with.
   std::vector<double> pathTo(int keyframe) const;
   /// After the poses have moved: lengths of links; then how sure the ways between them are; and then, of the
-  /// keyframes that there were at that, how sure the poses are.
+  /// keyframes that there were at that, how sure the poses are. REQUIRES one after the other.
   void settle();
   void updateWays();
   void updateCovariances();
