@@ -136,9 +136,9 @@ class KeyframeMap {
   // witnesses.cpp
   /// The keyframes, with what is known of each from one other, and of a loop as much as one match tells.
   posegraph::PoseGraph witnesses() const;
-  /// How sure the way between two keyframes is, by witnesses(): of b's x, y, phi in a's frame. Loops count as
-  /// they did at the last updateWays(). Cost: the keyframes on the way that came since, and two chains
-  /// of an elimination tree.
+  /// How sure the way between two keyframes is, by witnesses(): covariance of b's x, y (m) and phi (rad) in
+  /// a's frame. Loops count as they did at the last updateWays(). Cost: the keyframes on the way that came
+  /// since, and two chains of an elimination tree.
   Eigen::Matrix3d wayCovariance(int a, int b) const;
   std::vector<Eigen::Matrix3d> keyframeCovariances() const;
 

@@ -63,7 +63,7 @@ void LoopCloser::confirm(keyframes::Hypothesis& hypothesis, int k) const {
   ++hypothesis.confirmations;
 }
 
-/// To ask is dear, and it stays as it is.
+/// As it was when it was asked for first.
 double LoopCloser::innovationOf(keyframes::Hypothesis& place, LoopJudge& judge) const {
   if (!(place.innovation >= 0)) place.innovation = judge.innovation(place);
   return place.innovation;

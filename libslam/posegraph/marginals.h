@@ -7,8 +7,8 @@
 
 namespace slam::posegraph {
 
-/// Of T_a_b = T_map_a^-1 * T_map_b: of b's x, y, phi as a sees them. `joint`: of both poses' errors in the
-/// map's frame, rows 0-2 `a`, rows 3-5 `b`.
+/// Of T_a_b = T_map_a^-1 * T_map_b: of b's x, y (m) and phi (rad) as a sees them. `joint`: of both poses'
+/// errors in the map's frame, rows 0-2 `a`, rows 3-5 `b`.
 Eigen::Matrix3d relativeCovariance(const Eigen::Matrix<double, 6, 6>& joint, const core::Pose2& T_map_a,
                                    const core::Pose2& T_map_b);
 
