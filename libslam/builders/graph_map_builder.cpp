@@ -38,6 +38,7 @@ GraphMapBuilder::GraphMapBuilder(const MappingOptions& mapping, const keyframes:
 
 void GraphMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap, const mrpt::poses::CPosePDF* x0) {
   graph_ = graph::GraphSlam(graph_options_);
+  graph_.useThreads(threads_);
   last_ = {};
   maps_.maps.clear();
   grid_.reset();
@@ -46,6 +47,11 @@ void GraphMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap, const
   last_.T_map_robot = graph_.keyframePose(graph_.keyframeCount() - 1);
   if (x0 != nullptr) last_.T_map_robot = lidar::fromMrpt(x0->getMeanVal().asTPose());
   graph_.startAt(last_.T_map_robot);
+}
+
+void GraphMapBuilder::useThreads(int threads) {
+  threads_ = threads;
+  graph_.useThreads(threads);
 }
 
 void GraphMapBuilder::addKnownKeyframes(const mrpt::maps::CSimpleMap& map) {

@@ -40,6 +40,8 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
   /// The same as processActionObservation() without MRPT's types in between.
   core::Pose2 processScan(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
   void finish() { graph_.finish(); }
+  /// See GraphSlam; stays when it is initialized anew.
+  void useThreads(int threads);
   /// After initialize() with a map: nobody knows where in it the robot is. REQUIRES options.enableMapUpdating
   /// = false from then on.
   void startAnywhere() { graph_.startAnywhere(); }
@@ -55,6 +57,7 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
 
   MappingOptions mapping_;
   keyframes::GraphOptions graph_options_;
+  int threads_ = 1;
   graph::GraphSlam graph_;
   graph::GraphSlam::Step last_;
   // Drawn when asked for.

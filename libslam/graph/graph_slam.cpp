@@ -33,6 +33,11 @@ GraphSlam::GraphSlam(const keyframes::GraphOptions& options)
   pass_map_.clear({}, keyframes::kMapReach_m);
 }
 
+void GraphSlam::useThreads(int threads) {
+  using Where = loops::LoopCloser::Where;
+  loops_.workBy(threads > 1 ? Where::kByThread : Where::kHere);
+}
+
 Pose2 GraphSlam::currentPose() const {
   return map_->pose(anchor_) * T_keyframe_robot_;
 }

@@ -38,11 +38,6 @@ void KeyframeMap::removeClosure(int a, int b) {
   closures_.erase(std::remove(closures_.begin(), closures_.end(), std::pair(a, b)), closures_.end());
 }
 
-void KeyframeMap::settle() {
-  links_.measure(graph_.poses());
-  ++revision_;
-}
-
 void KeyframeMap::noteExplained(double share) {
   constexpr double kMostCounted = 1000;
   explained_count_ = std::min(explained_count_ + 1, kMostCounted);

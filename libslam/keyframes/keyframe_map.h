@@ -12,10 +12,6 @@
 #include "libslam/keyframes/types.h"
 #include "libslam/posegraph/pose_graph.h"
 
-namespace slam::posegraph {
-class Marginals;
-}
-
 namespace slam::keyframes {
 
 /// What GraphSlam, TrackedPath, LoopCloser and PartFinder share: the keyframes, the graph that ties them
@@ -60,11 +56,9 @@ class KeyframeMap {
   void removeClosure(int a, int b);
   /// The shortest way from a keyframe to every earlier one: what the drift between them grows with.
   std::vector<double> pathTo(int keyframe) const;
-  /// After the poses have moved: lengths of links; then how sure the ways between them are; and then, of the
-  /// keyframes that there were at that, how sure the poses are. REQUIRES one after the other.
-  void settle();
-  void updateWays();
-  void updateCovariances();
+  /// Takes over what was found for the first keyframes (Settling). Those that came since lie to the one that
+  /// they were reached from as before.
+  void settle(const Settled& found);
 
   /// The map around a new keyframe explains this share of its scan, 0..1.
   void noteExplained(double share);
@@ -134,10 +128,10 @@ class KeyframeMap {
                               const core::Pose2& T_map_robot) const;
 
   // witnesses.cpp
-  /// The keyframes, with what is known of each from one other, and of a loop as much as one match tells.
-  posegraph::PoseGraph witnesses() const;
-  /// How sure the way between two keyframes is, by witnesses(): covariance of b's x, y (m) and phi (rad) in
-  /// a's frame. Loops count as they did at the last updateWays(). Cost: the keyframes on the way that came
+  /// What is known of each keyframe from one other; and of a loop counts as much as one match tells.
+  Witnesses witnesses() const;
+  /// How sure the way between two keyframes is, by its witnesses: covariance of b's x, y (m) and phi (rad) in
+  /// a's frame. Loops count as they did when the map was settled. Cost: the keyframes on the way that came
   /// since, and two chains of an elimination tree.
   Eigen::Matrix3d wayCovariance(int a, int b) const;
   std::vector<Eigen::Matrix3d> keyframeCovariances() const;
@@ -156,12 +150,15 @@ class KeyframeMap {
   double explained_ = 1, explained_count_ = 0;
   int revision_ = 0, scan_ = 0;
   mutable LevelMaps scratch_;  ///< of mapOf()
-  struct Known {
-    int from;
-    Eigen::Matrix3d information;  ///< body frame
-  };
   Known knownFrom(int k) const;
-  std::shared_ptr<const posegraph::Marginals> settled_;  ///< of updateWays()
+  Eigen::Matrix3d stepCovariance(int k, const Known& known) const;
+  std::shared_ptr<const posegraph::Marginals> settled_;  ///< of settle()
 };
+
+/// A graph with what witnesses say of its nodes instead of its edges, at these poses.
+posegraph::PoseGraph witnessGraph(const posegraph::PoseGraph& graph, const std::vector<core::Pose2>& poses,
+                                  const Witnesses& witnesses);
+/// How sure they are, by witnessGraph().
+std::vector<Eigen::Matrix3d> covariancesOf(const posegraph::Marginals& ways);
 
 }  // namespace slam::keyframes

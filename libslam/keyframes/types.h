@@ -11,9 +11,12 @@
 #include "libslam/core/symmetric3.h"
 #include "libslam/keyframes/graph_options.h"
 #include "libslam/lidar/scan.h"
-#include "libslam/posegraph/optimize.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/scanmatch/surfel_matcher.h"
+
+namespace slam::posegraph {
+class Marginals;
+}
 
 /// What graph SLAM keeps: keyframes, the places that it follows, and what it thinks of the robot. For
 /// the rooms of graph SLAM only.
@@ -89,12 +92,23 @@ struct Hypothesis {
   std::map<int, Said> says;  ///< of every keyframe that was asked
   std::vector<posegraph::Edge> edges;
 };
-/// A loop that was accepted, while all poses are found anew.
-struct Closing {
-  std::unique_ptr<posegraph::OptimizeInPieces> work;
-  std::vector<posegraph::Edge> edges;  ///< of the loop, if they are not linked yet
-  std::pair<int, int> ends{-1, -1};    ///< keyframes that it joins
-  bool is_found = false;
+/// What is known of a keyframe from another one.
+struct Known {
+  int from;
+  Eigen::Matrix3d information;  ///< body frame
+};
+/// What says how sure a graph's poses are.
+struct Witnesses {
+  std::vector<Known> known;      ///< of each keyframe after the first
+  std::vector<int> loop_begins;  ///< first edge of every loop
+  double variance;               ///< of what a loop's edges say
+};
+/// All keyframes' poses, found anew, and how sure they are.
+struct Settled {
+  double chi2 = 0;  ///< of the graph
+  std::vector<core::Pose2> poses;
+  std::shared_ptr<const posegraph::Marginals> ways;
+  std::vector<Eigen::Matrix3d> covariances, roots;  ///< as Keyframe has them
 };
 /// Of a point's residual, in surfels' variances, as all scans so far have it.
 class PointNoise {

@@ -33,70 +33,93 @@ double PointNoise::variance() const {
   return squared_ / dimensions_ * std::max(common, 1.0);
 }
 
-KeyframeMap::Known KeyframeMap::knownFrom(int k) const {
+Known KeyframeMap::knownFrom(int k) const {
   if (keyframe(k).matched_to >= 0) return {keyframe(k).matched_to, keyframe(k).information};
   const posegraph::Edge& edge = graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)];
   return {edge.from, edge.information};
 }
 
-posegraph::PoseGraph KeyframeMap::witnesses() const {
+Witnesses KeyframeMap::witnesses() const {
+  Witnesses result;
+  result.known.reserve(keyframes_.size());
+  for (int k = 1; k < graph_.nodeCount(); ++k) result.known.push_back(knownFrom(k));
+  result.loop_begins = loop_begins_;
+  result.variance = kBothViews * point_noise_.variance() * matchOptions(1).information_scale;
+  return result;
+}
+
+posegraph::PoseGraph witnessGraph(const posegraph::PoseGraph& graph, const std::vector<Pose2>& poses,
+                                  const Witnesses& witnesses) {
   posegraph::PoseGraph result;
-  for (const Pose2& T : graph_.poses()) result.addNode(T);
+  for (const Pose2& T : poses) result.addNode(T);
   result.setFixed(0);
-  const auto& edges = graph_.edges();
+  const auto& edges = graph.edges();
   const auto add = [&](posegraph::Edge edge, const Eigen::Matrix3d& information) {
-    edge.T_from_to = core::between(graph_.pose(edge.from), graph_.pose(edge.to));
+    edge.T_from_to = core::between(result.pose(edge.from), result.pose(edge.to));
     edge.information = scanmatch::edgeInformation(information, 0);
     result.addEdge(edge);
   };
-  for (int k = 1; k < graph_.nodeCount(); ++k) {
-    const Known known = knownFrom(k);
+  for (int k = 1; k < result.nodeCount(); ++k) {
+    const Known& known = witnesses.known[static_cast<size_t>(k) - 1];
     posegraph::Edge edge;
     edge.from = known.from, edge.to = k;
     add(edge, known.information);
   }
   // A loop's edges were added in a row, some for each of its keyframes.
-  const double variance = kBothViews * point_noise_.variance() * matchOptions(1).information_scale;
-  for (size_t loop = 0; loop < loop_begins_.size(); ++loop) {
-    const auto first = static_cast<size_t>(loop_begins_[loop]);
-    const auto end =
-        loop + 1 < loop_begins_.size() ? static_cast<size_t>(loop_begins_[loop + 1]) : edges.size();
+  const auto& begins = witnesses.loop_begins;
+  for (size_t loop = 0; loop < begins.size(); ++loop) {
+    const auto first = static_cast<size_t>(begins[loop]);
+    const auto end = loop + 1 < begins.size() ? static_cast<size_t>(begins[loop + 1]) : edges.size();
     const auto isOfLoop = [&](size_t i) { return i < end && edges[i].kind == posegraph::EdgeKind::kLoop; };
     int confirmations = 0;
     for (size_t i = first; isOfLoop(i); ++i) confirmations += i == first || edges[i].to != edges[i - 1].to;
     for (size_t i = first; isOfLoop(i); ++i)
-      if (edges[i].on) add(edges[i], edges[i].information / (variance * confirmations));
+      if (edges[i].on) add(edges[i], edges[i].information / (witnesses.variance * confirmations));
   }
   return result;
 }
 
-namespace {
-
-/// Leaps of odometry may leave a pose held by no more than rounding.
-constexpr auto kOpen = posegraph::Marginals::Open::kBounded;
-
-std::vector<Eigen::Matrix3d> covariancesOf(const posegraph::Marginals& marginals) {
-  auto covariances = marginals.all();
+std::vector<Eigen::Matrix3d> covariancesOf(const posegraph::Marginals& ways) {
+  auto covariances = ways.all();
   for (auto& covariance : covariances) covariance = scanmatch::withoutNegatives(covariance, kLeastShare, 0);
   return covariances;
 }
 
-}  // namespace
-
 std::vector<Eigen::Matrix3d> KeyframeMap::keyframeCovariances() const {
-  return covariancesOf(posegraph::Marginals(witnesses(), kOpen));
+  return covariancesOf(posegraph::Marginals(witnessGraph(graph_, graph_.poses(), witnesses()),
+                                            posegraph::Marginals::Open::kBounded));
 }
 
-void KeyframeMap::updateWays() {
-  settled_ = std::make_shared<const posegraph::Marginals>(witnesses(), kOpen);
+/// Of a keyframe against the one that it is known from; map frame.
+Eigen::Matrix3d KeyframeMap::stepCovariance(int k, const Known& known) const {
+  return scanmatch::turned(scanmatch::covarianceOf(scanmatch::edgeInformation(known.information, 0)),
+                           -pose(k).phi);
 }
 
-void KeyframeMap::updateCovariances() {
-  const auto covariances = covariancesOf(*settled_);
-  for (size_t i = 0; i < covariances.size(); ++i) {
-    keyframes_[i].covariance = covariances[i];
-    keyframes_[i].root = scanmatch::rootOf(covariances[i] + keyframes_[i].noise);
+void KeyframeMap::settle(const Settled& found) {
+  const std::vector<Pose2> before = graph_.poses();
+  const int count = static_cast<int>(found.poses.size());
+  for (int k = 0; k < size(); ++k) {
+    Keyframe& one = keyframes_[static_cast<size_t>(k)];
+    if (k < count) {
+      const auto i = static_cast<size_t>(k);
+      graph_.setPose(k, found.poses[i]);
+      one.covariance = found.covariances[i], one.root = found.roots[i];
+      continue;
+    }
+    const int from = keyframeBefore(k);
+    const Pose2 T_from_k = core::between(before[static_cast<size_t>(from)], before[static_cast<size_t>(k)]);
+    graph_.setPose(k, pose(from) * T_from_k);
+    // As witnesses have it: it is known from one, and no loop was closed since.
+    const Known known = knownFrom(k);
+    const Eigen::Matrix3d J = moved(core::position(pose(known.from)), core::position(pose(k)));
+    one.covariance = scanmatch::withoutNegatives(
+        J * keyframe(known.from).covariance * J.transpose() + stepCovariance(k, known), kLeastShare, 0);
+    one.root = scanmatch::rootOf(one.covariance + one.noise);
   }
+  settled_ = found.ways;
+  links_.measure(graph_.poses());
+  ++revision_;
 }
 
 /// A keyframe that came since is known from one other, and tells nothing of it: its error is that one's,
@@ -112,10 +135,8 @@ Eigen::Matrix3d KeyframeMap::wayCovariance(int a, int b) const {
     End& end = ends[ends[1].at > ends[0].at];
     const Point2 here = core::position(pose(end.at)), of_end = core::position(pose(&end == ends ? a : b));
     const Known known = knownFrom(end.at);
-    const Eigen::Matrix3d step = scanmatch::turned(
-        scanmatch::covarianceOf(scanmatch::edgeInformation(known.information, 0)), -pose(end.at).phi);
     const Eigen::Matrix3d J = moved(here, of_end);
-    end.own += J * step * J.transpose();
+    end.own += J * stepCovariance(end.at, known) * J.transpose();
     end.at = known.from;
   }
   Eigen::Matrix<double, 6, 6> joint = Eigen::Matrix<double, 6, 6>::Zero();

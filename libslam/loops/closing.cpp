@@ -10,12 +10,8 @@
 namespace slam::loops {
 namespace {
 
-using core::Pose2;
-
 /// All poses together are found to so many standard deviations; the last step makes it the square of that.
 constexpr double kFound = 0.05;
-/// To find out how sure the ways are takes as long as so many multiplications for each keyframe.
-constexpr double kWorkPerWay = 7000;
 
 }  // namespace
 
@@ -25,8 +21,9 @@ void LoopCloser::beginClosing() {
   // Loops are judged whole, by accept(); one edge of a loop is no loop.
   options.robust = "none";
   options.tolerance = kFound;
-  closing_.emplace();
-  closing_->work = std::make_unique<posegraph::OptimizeInPieces>(map_->graph(), options);
+  const auto settling = std::make_shared<keyframes::Settling>(*map_, options);
+  core::PacedWork work([settling](double& left) { return settling->advance(left); }, where_);
+  closing_.emplace(Closing{settling, std::move(work), {}, {-1, -1}, false});
   solved_edges_ = map_->graph().edges().size();
 }
 
@@ -41,35 +38,21 @@ void LoopCloser::beginClosing(const keyframes::Hypothesis& loop, bool is_linked)
 }
 
 bool LoopCloser::continueClosing(bool may_move) {
-  if (!isClosing()) return false;
-  if (closing_ && !closing_->is_found) {
-    const double most = workOfScan();
-    double work = most;
-    closing_->is_found = closing_->work->advance(work);
-    // To take them over is work, too.
-    if (!closing_->is_found || work < most / 2) return false;
+  if (!closing_) return false;
+  if (!closing_->is_found) {
+    double work = workOfScan();
+    closing_->is_found = closing_->work.advance(work);
   }
-  if (!may_move) return false;
-  if (!closing_) return updateCovariances(workOfScan());
+  if (!closing_->is_found || !may_move) return false;
   takeOver();
   return true;
 }
 
 bool LoopCloser::completeClosing() {
-  if (!isClosing()) return false;
-  if (closing_) takeOver();
-  return updateCovariances(std::numeric_limits<double>::infinity());
-}
-
-/// In two pieces where the map is large. True when all is done.
-bool LoopCloser::updateCovariances(double work) {
-  if (has_old_ways_) {
-    map_->updateWays();
-    has_old_ways_ = false;
-    if (kWorkPerWay * map_->size() > work) return false;
-  }
-  map_->updateCovariances();
-  has_old_covariances_ = false;
+  if (!closing_) return false;
+  double unlimited = std::numeric_limits<double>::infinity();
+  if (!closing_->is_found) closing_->work.advance(unlimited);
+  takeOver();
   return true;
 }
 
@@ -81,30 +64,17 @@ bool LoopCloser::closeRest() {
   return completeClosing();
 }
 
-/// The poses that were found; keyframes that came since lie as before to those that they were reached from.
 void LoopCloser::takeOver() {
-  const double chi2 = closing_->work->finish().final_chi2;
-  const std::vector<Pose2> before = map_->graph().poses();
-  const auto& found = closing_->work->poses();
-  const int known = static_cast<int>(found.size());
-  for (int k = 0; k < map_->size(); ++k) {
-    if (k < known) {
-      map_->graph().setPose(k, found[static_cast<size_t>(k)]);
-      continue;
-    }
-    const int from = map_->keyframeBefore(k);
-    const Pose2 T_from_k = core::between(before[static_cast<size_t>(from)], before[static_cast<size_t>(k)]);
-    map_->graph().setPose(k, map_->pose(from) * T_from_k);
-  }
+  const keyframes::Settled& found = closing_->settling->result();
+  map_->settle(found);
   for (const auto& edge : closing_->edges) map_->link(edge.from, edge.to);
   if (closing_->ends.first != closing_->ends.second)
     map_->addClosure(closing_->ends.first, closing_->ends.second);
+  map_->note(core::JournalEvent::kOptimised, found.chi2);
+  thread_s_ += closing_->work.threadSeconds();
   closing_.reset();
   for (auto& place : hypotheses_) place.innovation = -1;
-  map_->settle();
-  has_old_covariances_ = has_old_ways_ = true;
   searched_m_ = map_->path_m();
-  map_->note(core::JournalEvent::kOptimised, chi2);
 }
 
 }  // namespace slam::loops

@@ -146,7 +146,7 @@ std::optional<LoopCloser::Accepted> LoopCloser::continueSearching() {
 /// loop is counts in metres.
 double LoopCloser::workOfScan() const {
   const double scans = std::max(1.0, scan_m_ / std::max(options_->keyframe_distance_m, kLeastDistance_m));
-  return scans * keyframes::kWorkPerUnit * options_->loop_work;
+  return std::floor(scans * keyframes::kWorkPerUnit * options_->loop_work);
 }
 
 std::optional<LoopCloser::Accepted> LoopCloser::completeSearching() {

@@ -1,10 +1,13 @@
 #pragma once
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "libslam/core/paced_work.h"
 #include "libslam/keyframes/keyframe_map.h"
+#include "libslam/keyframes/settling.h"
 #include "libslam/loops/loop_judge.h"
 #include "libslam/loops/place_search.h"
 
@@ -15,8 +18,12 @@ namespace slam::loops {
 /// only.
 class LoopCloser {
  public:
+  using Where = core::PacedWork::Where;
   /// The map has to stay where it is.
   explicit LoopCloser(keyframes::KeyframeMap& map) : map_(&map), options_(&map.options()), search_(map) {}
+
+  /// Where searches and poses are worked on from now on; at first here. Nothing else depends on it.
+  void workBy(Where where) { where_ = where, search_.workBy(where); }
 
   /// What a loop has tied together. `joins`: two parts of the map that had no known place in one another.
   struct Accepted {
@@ -44,15 +51,16 @@ class LoopCloser {
   bool isWhereExpected();
 
   // closing.cpp
-  bool isClosing() const { return closing_ || has_old_covariances_; }
-  /// One piece. True when the keyframes have moved, which waits until `may_move`; and once more when it is
-  /// known how sure they are.
+  bool isClosing() const { return closing_.has_value(); }
+  /// One piece. True when the keyframes have moved, which waits until `may_move`.
   bool continueClosing(bool may_move);
   /// All that is left. True when there was something, and the keyframes have moved.
   bool completeClosing();
   /// Finds all poses anew by what was measured since the last loop, too: passes through one place that need
   /// no loop say where the way between them went wrong. True when there was something.
   bool closeRest();
+  /// CPU time of threads of its own, so far.
+  double threadSeconds() const { return thread_s_ + search_.threadSeconds(); }
 
  private:
   std::optional<Accepted> accept(const keyframes::Hypothesis& loop, LoopJudge& judge);
@@ -73,14 +81,22 @@ class LoopCloser {
   void beginClosing(const keyframes::Hypothesis& loop, bool is_linked);
   void beginClosing();
   void takeOver();
-  bool updateCovariances(double work);
+
+  /// A loop that was accepted, while all poses are found anew.
+  struct Closing {
+    std::shared_ptr<const keyframes::Settling> settling;
+    core::PacedWork work;                ///< of `settling`
+    std::vector<posegraph::Edge> edges;  ///< of the loop, if they are not linked yet
+    std::pair<int, int> ends{-1, -1};    ///< keyframes that it joins
+    bool is_found = false;
+  };
 
   keyframes::KeyframeMap* map_;
   const keyframes::GraphOptions* options_;
+  Where where_ = Where::kHere;
   std::vector<keyframes::Hypothesis> hypotheses_;
-  std::optional<keyframes::Closing> closing_;
-  /// Of the keyframes, since they moved; `ways`: of what lies between them, too.
-  bool has_old_covariances_ = false, has_old_ways_ = false;
+  std::optional<Closing> closing_;
+  double thread_s_ = 0;      ///< CPU time for loops that are closed
   size_t solved_edges_ = 0;  ///< of the graph, when all poses were found last
   double searched_m_ = 0;    ///< where on the way the last search was
   PlaceSearch search_;

@@ -110,7 +110,7 @@ void PlaceSearch::begin(int keyframe, int first, int last) {
 }
 
 /// Goes to the next old keyframe that was not around another one. False: there is none.
-bool PlaceSearch::nextPlace(double& work) {
+bool PlaceSearch::nextPlace() {
   while (next_ < candidates_.size() && is_tried_[static_cast<size_t>(candidates_[next_])]) ++next_;
   if (next_ == candidates_.size() || ++places_ > kMostPlaces) return false;
   old_ = candidates_[next_++];
@@ -128,26 +128,44 @@ bool PlaceSearch::nextPlace(double& work) {
                                [&](int a) { return search_.is_local[static_cast<size_t>(a)] != 0; }),
                 around_.end());
   around_ = keyframes::firstOf(std::move(around_), options_->map_keyframes);
-  // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle
-  // between two beams leaves it no finer detail, and every turn that it tells apart costs.
-  const double reach_m = reachOf(old_);
-  const double coarser =
-      std::clamp(std::max(reach_m / kFineReach_m, search_.view_m / kFineView_m), 1.0, kCoarsest);
-  is_coarse_ = coarser > 1;
-  const auto points = map_->placeAround(around_);
-  pyramid_.build(points, coarser * keyframes::kSearchCell_m, coarser * keyframes::kSearchSigma_m,
-                 keyframes::kSearchLevels);
-  work -= kWorkPerDrawn * static_cast<double>(points.size()) +
-          kWorkPerValue * static_cast<double>(pyramid_.size());
-  window_ = {reach_m,
-             std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * search_.way_m[static_cast<size_t>(old_)],
-                      kSearchTurnMost_rad)};
-  reach_m_ = std::max(reach_m_, reach_m);
+  drawPlace();
+  reach_m_ = std::max(reach_m_, place_->window.half_xy_m);
   return true;
 }
 
+/// What is looked for there, and on which raster.
+void PlaceSearch::drawPlace() {
+  const double reach_m = reachOf(old_);
+  // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle
+  // between two beams leaves it no finer detail, and every turn that it tells apart costs.
+  place_->coarser = std::clamp(std::max(reach_m / kFineReach_m, search_.view_m / kFineView_m), 1.0, kCoarsest);
+  place_->points = map_->placeAround(around_);
+  place_->is_drawn = false;
+  place_->query = search_.points;
+  place_->centre = map_->pose(search_.keyframe);
+  place_->window = {reach_m,
+                    std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * search_.way_m[static_cast<size_t>(old_)],
+                             kSearchTurnMost_rad)};
+}
+
+bool PlaceSearch::Place::advance(double& work) {
+  if (!is_drawn) {
+    pyramid.build(points, coarser * keyframes::kSearchCell_m, coarser * keyframes::kSearchSigma_m,
+                  keyframes::kSearchLevels);
+    work -= kWorkPerDrawn * static_cast<double>(points.size()) +
+            kWorkPerValue * static_cast<double>(pyramid.size());
+    points.clear();
+    is_drawn = true;
+    if (!(work > 0)) return false;
+  }
+  if (!pieces) pieces.emplace(pyramid, query, centre, window, least_score);
+  return pieces->advance(work);
+}
+
 void PlaceSearch::searchOn(double least_score) {
-  pieces_.emplace(pyramid_, search_.points, map_->pose(search_.keyframe), window_, least_score);
+  place_->least_score = least_score;
+  place_->pieces.reset();
+  looking_.emplace([place = place_](double& left) { return place->advance(left); }, where_);
 }
 
 bool PlaceSearch::advance(double work, const Known& isKnown) {
@@ -155,15 +173,16 @@ bool PlaceSearch::advance(double work, const Known& isKnown) {
     if (stage_ == Stage::kPlace) {
       // To draw a place cannot be divided.
       if (has_worked && work < std::numeric_limits<double>::infinity()) return false;
-      if (has_found_ || candidates_.empty() || !nextPlace(work)) {
+      if (has_found_ || candidates_.empty() || !nextPlace()) {
         stage_ = Stage::kNone;
         break;
       }
       searchOn(options_->loop_search_score);
       stage_ = Stage::kBest;
     } else {
-      if (!pieces_->advance(work)) return false;
-      const auto result = pieces_->best();
+      if (!looking_->advance(work)) return false;
+      thread_s_ += looking_->threadSeconds();
+      const auto result = place_->pieces->best();
       if (stage_ == Stage::kBest) {
         stage_ = noteBest(result, isKnown, work);
       } else if (stage_ == Stage::kRival) {
@@ -174,7 +193,7 @@ bool PlaceSearch::advance(double work, const Known& isKnown) {
       }
     }
   }
-  pieces_.reset();
+  looking_.reset();
   return true;
 }
 
@@ -184,7 +203,7 @@ PlaceSearch::Stage PlaceSearch::noteBest(const std::optional<scanmatch::SearchRe
   map_->note(core::JournalEvent::kSearched, best->score, old_);
   best_ = *best;
   if (!add(best_.T_map_robot, options_->loop_score, isKnown, work)) return Stage::kPlace;
-  window_.apart_m = kRivalApart_m, window_.not_at = core::position(best_.T_map_robot);
+  place_->window.apart_m = kRivalApart_m, place_->window.not_at = core::position(best_.T_map_robot);
   searchOn(kRivalShare * best_.score);
   return Stage::kRival;
 }
@@ -195,8 +214,8 @@ PlaceSearch::Stage PlaceSearch::noteRival(const std::optional<scanmatch::SearchR
   add(rival->T_map_robot, 0, isKnown, work);
   // One that the way there makes likelier may be at the edge of the map, where less is explained.
   const Pose2& here = map_->pose(search_.keyframe);
-  window_.half_xy_m = std::min(core::distance(best_.T_map_robot, here) - kRivalApart_m, kLikelyReach_m);
-  if (window_.half_xy_m <= 0 || core::distance(rival->T_map_robot, here) < window_.half_xy_m)
+  place_->window.half_xy_m = std::min(core::distance(best_.T_map_robot, here) - kRivalApart_m, kLikelyReach_m);
+  if (place_->window.half_xy_m <= 0 || core::distance(rival->T_map_robot, here) < place_->window.half_xy_m)
     return Stage::kPlace;
   searchOn(kRivalShare * best_.score);
   return Stage::kLikelier;
@@ -214,7 +233,7 @@ bool PlaceSearch::add(const Pose2& T_found, double least_score, const Known& isK
 
 /// A place that was found around an old keyframe, if its map, matched, explains what is searched for.
 std::optional<keyframes::Hypothesis> PlaceSearch::matchAt(const Pose2& T_found, double least_score) {
-  const auto matched = map_->matchFreely(search_.match_points, around_, T_found, is_coarse_);
+  const auto matched = map_->matchFreely(search_.match_points, around_, T_found, place_->coarser > 1);
   std::vector<int> viewers;
   for (const int a : around_)
     if (core::distance(map_->pose(a), matched.T_map_robot) <= keyframes::kViewerDistance_m)

@@ -1,9 +1,11 @@
 #pragma once
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "libslam/core/paced_work.h"
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/scanmatch/correlative_search.h"
 
@@ -15,13 +17,18 @@ namespace slam::loops {
 /// For the rooms of graph SLAM only.
 class PlaceSearch {
  public:
+  using Where = core::PacedWork::Where;
   /// The map has to stay where it is; while a search is under way, so have its poses.
-  explicit PlaceSearch(keyframes::KeyframeMap& map) : map_(&map), options_(&map.options()) {}
+  explicit PlaceSearch(keyframes::KeyframeMap& map)
+      : map_(&map), options_(&map.options()), place_(std::make_shared<Place>()) {}
+
+  /// Where a place is looked at from now on; at first here.
+  void workBy(Where where) { where_ = where; }
 
   /// For the scans of the keyframes [first, last] around `keyframe`.
   void begin(int keyframe, int first, int last);
   bool isUnderWay() const { return stage_ != Stage::kNone; }
-  void giveUp() { stage_ = Stage::kNone, found_.clear(), pieces_.reset(); }
+  void giveUp() { stage_ = Stage::kNone, found_.clear(), looking_.reset(); }
   int keyframe() const { return search_.keyframe; }
   /// Whether the keyframe is known to be there already, so that the place needs no match.
   using Known = std::function<bool(const core::Pose2& T_map_robot)>;
@@ -31,6 +38,8 @@ class PlaceSearch {
   std::vector<keyframes::Hypothesis> take() { return std::exchange(found_, {}); }
   /// The widest window of the last search; 0: there was no place to look at.
   double reach_m() const { return reach_m_; }
+  /// CPU time of threads of its own, so far.
+  double threadSeconds() const { return thread_s_; }
 
  private:
   enum class Stage { kNone, kPlace, kBest, kRival, kLikelier };
@@ -38,15 +47,31 @@ class PlaceSearch {
   void gatherQuery(int first, int last);
   double reachOf(int old) const;
   void listCandidates();
-  bool nextPlace(double& work);
+  bool nextPlace();
+  void drawPlace();
   Stage noteBest(const std::optional<scanmatch::SearchResult>& best, const Known& isKnown, double& work);
   Stage noteRival(const std::optional<scanmatch::SearchResult>& rival, const Known& isKnown, double& work);
   void searchOn(double least_score);
   bool add(const core::Pose2& T_found, double least_score, const Known& isKnown, double& work);
   std::optional<keyframes::Hypothesis> matchAt(const core::Pose2& T_found, double least_score);
 
+  /// The raster of a place and a search on it: all that is worked on while the map goes on.
+  struct Place {
+    std::vector<core::Point2> points;  ///< of the place, map frame; until they are drawn
+    double coarser = 1;
+    bool is_drawn = false;
+    scanmatch::LikelihoodPyramid pyramid;
+    std::vector<core::Point2> query;
+    core::Pose2 centre;
+    scanmatch::SearchWindow window{};
+    double least_score = 0;
+    std::optional<scanmatch::SearchInPieces> pieces;
+    bool advance(double& work);
+  };
+
   keyframes::KeyframeMap* map_;
   const keyframes::GraphOptions* options_;
+  Where where_ = Where::kHere;
   Stage stage_ = Stage::kNone;
   keyframes::LoopSearch search_;
   std::vector<int> candidates_;  ///< old keyframes, the nearest first
@@ -57,10 +82,9 @@ class PlaceSearch {
   // The place at hand.
   int old_ = -1;
   std::vector<int> around_;
-  bool is_coarse_ = false;
-  scanmatch::LikelihoodPyramid pyramid_;
-  scanmatch::SearchWindow window_{};
-  std::optional<scanmatch::SearchInPieces> pieces_;
+  std::shared_ptr<Place> place_;            ///< nobody else touches it while it is looked at
+  std::optional<core::PacedWork> looking_;  ///< at place_
+  double thread_s_ = 0;
   scanmatch::SearchResult best_{};
   std::vector<keyframes::Hypothesis> found_;
   bool has_found_ = false;

@@ -169,6 +169,14 @@ void finishMap(MapBuilder& method) {
   method.method->finish();
 }
 
+void useThreads(MapBuilder& method, int threads) {
+  method.method->useThreads(threads);
+}
+
+double threadSeconds(const MapBuilder& method) {
+  return method.method->threadSeconds();
+}
+
 std::vector<core::JournalEntry> journalOf(const MapBuilder& method) {
   return method.method->journal();
 }

@@ -24,6 +24,8 @@ class GraphMethod : public SlamMethod {
   std::vector<loops::PartPlace> joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
                                          core::Progress& progress) override;
   void finish() override;
+  void useThreads(int threads) override { builder_->useThreads(threads); }
+  double threadSeconds() const override { return builder_->graph().threadSeconds(); }
   std::vector<core::JournalEntry> journal() const override;
   std::optional<core::Trajectory> finalPath(const core::Trajectory& online) const override;
   std::vector<Eigen::Matrix3d> finalCovariances() const override;

@@ -73,6 +73,10 @@ class SlamMethod {
                                                  core::Progress& progress);
   /// After the last step.
   virtual void finish() {}
+  /// So many threads in all, the caller's among them, may work from now on. What comes out is the same.
+  virtual void useThreads(int /*threads*/) {}
+  /// CPU time so far of threads other than the caller's.
+  virtual double threadSeconds() const { return 0; }
 
   /// In the order that it happened; scans are counted in steps.
   virtual std::vector<core::JournalEntry> journal() const { return {}; }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/core/paced_work.h"
 #include "libslam/posegraph/descent.h"
 #include "libslam/posegraph/graph_system.h"
 #include "libslam/posegraph/loop_search.h"
@@ -84,10 +85,11 @@ struct OptimizeInPieces::Work {
   OptimizeOptions options;
   std::optional<GraphSystem> system;
   std::optional<Descent> descent;
+  core::PaidFirst dear;
 };
 
 OptimizeInPieces::OptimizeInPieces(PoseGraph graph, const OptimizeOptions& options)
-    : work_(std::make_unique<Work>(Work{std::move(graph), options, {}, {}})) {
+    : work_(std::make_unique<Work>(Work{std::move(graph), options, {}, {}, {}})) {
   requireSound(options);
   if (options.robust != "none")
     throw core::ContractError("OptimizeInPieces: robust is '" + options.robust + "', expected none");
@@ -98,15 +100,15 @@ OptimizeInPieces::~OptimizeInPieces() = default;
 
 bool OptimizeInPieces::advance(double& work) {
   Work& w = *work_;
+  const auto edges = static_cast<double>(w.graph.edges().size());
   if (!w.system) {
+    if (!w.dear.isPaid(kAnalysisPerEdge * edges, work)) return false;
     w.system.emplace(w.graph, edgesOn(w.graph));
-    work -= kAnalysisPerEdge * static_cast<double>(w.graph.edges().size());
-    if (!(work > 0)) return false;
   }
   if (!w.descent) {
+    if (!w.dear.isPaid(kPlacingPerEdge * edges, work)) return false;
     w.descent.emplace(w.graph, *w.system, w.graph.poses(), std::vector<double>(w.graph.edges().size(), 1.0),
                       w.options.tolerance, w.options.max_iterations);
-    work -= kPlacingPerEdge * static_cast<double>(w.graph.edges().size());
   }
   return w.descent->advance(work);
 }

@@ -1,7 +1,7 @@
 #include "libslam/results/self_score.h"
 
 #include "libslam/core/error.h"
-#include "libslam/logs/log_reader.h"
+#include "libslam/logs/read_ahead.h"
 
 namespace slam::results {
 namespace {
@@ -20,8 +20,8 @@ std::vector<core::Point2> returnsOf(const lidar::Scan& scan) {
 }  // namespace
 
 SelfScore selfScore(const std::string& log_path, const core::Trajectory& path, const world::Plan& map,
-                    core::Progress& progress, const std::string& lidars) {
-  logs::LogReader log(log_path, lidars);
+                    core::Progress& progress, const std::string& lidars, bool reads_ahead) {
+  logs::ReadAhead log(log_path, lidars, reads_ahead);
   metrics::PlacedScans scans(map);
   progress.begin("placing the scans");
   size_t scan = 0;

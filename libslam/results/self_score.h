@@ -15,8 +15,9 @@ struct SelfScore {
 };
 
 /// Reads the log once more and places scan i at path[i]; `map` in the map frame (toPlan()). REQUIRES one pose
-/// per scan, in the order of the file (ContractError). Errors: as logs::LogReader.
+/// per scan, in the order of the file (ContractError). `reads_ahead`: by another thread, see logs::ReadAhead.
+/// Errors: as logs::LogReader.
 SelfScore selfScore(const std::string& log_path, const core::Trajectory& path, const world::Plan& map,
-                    core::Progress& progress, const std::string& lidars = "");
+                    core::Progress& progress, const std::string& lidars = "", bool reads_ahead = false);
 
 }  // namespace slam::results

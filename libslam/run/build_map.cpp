@@ -11,11 +11,11 @@
 #include "libslam/core/thread_team.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
-#include "libslam/logs/log_reader.h"
+#include "libslam/logs/read_ahead.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/map_score.h"
-#include "libslam/process/cpu_time.h"
+#include "libslam/core/cpu_time.h"
 #include "libslam/process/memory_meter.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/results/manifest_entries.h"
@@ -29,10 +29,11 @@
 namespace slam::run {
 namespace {
 
-results::Cost summarize(std::vector<double> milliseconds, double finish_s, double log_seconds) {
+/// `more_s`: CPU time beside that of the scans.
+results::Cost summarize(std::vector<double> milliseconds, double more_s, double log_seconds) {
   results::Cost cost;
   if (milliseconds.empty()) return cost;
-  double total_ms = 1000 * finish_s;
+  double total_ms = 1000 * more_s;
   for (const double ms : milliseconds) total_ms += ms;
   std::sort(milliseconds.begin(), milliseconds.end());
   const auto rank = static_cast<size_t>(std::ceil(0.99 * static_cast<double>(milliseconds.size())));
@@ -110,7 +111,7 @@ void stoppable(MapRun& run, const Taken& taken, bool keep_partial, const std::fu
 }
 
 /// All scans of the log through the method.
-void takeIn(logs::LogReader& log, mapping::MapBuilder& method, const std::optional<ExternalRun>& external,
+void takeIn(logs::ReadAhead& log, mapping::MapBuilder& method, const std::optional<ExternalRun>& external,
             MapRun& run, Taken& taken, resources::Manifest& manifest, core::Progress& progress,
             record::StepObserver* observer) {
   OdometryGaps gaps;
@@ -124,12 +125,12 @@ void takeIn(logs::LogReader& log, mapping::MapBuilder& method, const std::option
     core::Pose2 T_map_robot;
     std::optional<Eigen::Matrix3d> covariance;
     double after_s = 0;
-    const double before_s = process::threadCpuSeconds();
+    const double before_s = core::threadCpuSeconds();
     tellSensors(method, *entry);
     results::insideMethod([&] {
       T_map_robot =
           mapping::processScan(method, entry->scan, T_previous_robot, entry->has_odometry || external);
-      after_s = process::threadCpuSeconds();
+      after_s = core::threadCpuSeconds();
       covariance = mapping::poseCovariance(method);
     });
     if (!core::isFinite(T_map_robot))
@@ -176,6 +177,7 @@ std::optional<ExternalRun> externalRun(const std::string& name, const std::strin
 /// What the method has to say in the end; paths in the log's order.
 struct Ending {
   double finish_s = 0;  ///< CPU time of its last work
+  double beside_s = 0;  ///< of its other threads, while scans were taken in
   std::optional<core::Trajectory> final_path;
   core::Trajectory path;  ///< the final one, else the one given online
   std::optional<gridmap::OccupancyRaster> map;
@@ -191,9 +193,11 @@ class Finisher {
       : method_(method), run_(run), taken_(taken), options_(options) {}
 
   void finish() {
-    const double begin_s = process::threadCpuSeconds();
+    const double begin_s = core::threadCpuSeconds(), thread_begin_s = mapping::threadSeconds(method_);
     if (!run_.stopped) ask([&] { mapping::finishMap(method_); });
-    ending_.finish_s = process::threadCpuSeconds() - begin_s;
+    ending_.finish_s =
+        core::threadCpuSeconds() - begin_s + mapping::threadSeconds(method_) - thread_begin_s;
+    ending_.beside_s = thread_begin_s;
   }
 
   /// Scans and poses pair up in the log's order, which is the robot's; a trajectory's order is that of the
@@ -246,7 +250,8 @@ void scoreAndDraw(const mapping::MapBuilder& method, const Taken& taken, const s
   const auto score = [&] {
     if (run.stopped) return;
     stoppable(run, taken, options.keep_partial, [&] {
-      ending.self = results::selfScore(log_path, ending.path, results::toPlan(*ending.map), progress, lidars);
+      ending.self = results::selfScore(log_path, ending.path, results::toPlan(*ending.map), progress, lidars,
+                                       options.threads > 1);
     });
   };
   const auto draw = [&] {
@@ -271,7 +276,7 @@ void complete(const mapping::MapBuilder& method, Ending& ending, const Taken& ta
   run.final_covariances = inStampOrder(stamped(ending.covariances, taken.stamps_s));
   ending.covariances = {};  // of a long log it is much
   const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
-  run.cost = summarize(taken.milliseconds, ending.finish_s, log_seconds);
+  run.cost = summarize(taken.milliseconds, ending.finish_s + ending.beside_s, log_seconds);
   run.cost.peak_memory_mb = peak_memory_mb;
   if (external) {
     run.cost = external->cost;
@@ -345,9 +350,10 @@ MapRun buildMap(const std::string& log_path, const files::IniFile& method_config
   auto method = mapping::makeMapBuilder(builder_config, method_name, seed);
   // The earlier run's map, before anything is measured.
   if (!continuation.folder.empty()) beginInMap(method, continuation, log_path, output.path(), manifest);
-  std::optional<logs::LogReader> log;
+  mapping::useThreads(method, options.threads);
+  std::optional<logs::ReadAhead> log;
   // An external program reads the log by itself; its poses are those of the main lidar's scans.
-  memory.leaveOut([&] { log.emplace(log_path, external ? "" : method.lidars); });
+  memory.leaveOut([&] { log.emplace(log_path, external ? "" : method.lidars, options.threads > 1); });
   MapRun run;
   run.commands_from = tellCommands(method, log_path);
   Taken taken;

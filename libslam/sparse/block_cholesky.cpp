@@ -183,10 +183,10 @@ void BlockCholesky::update(int s) {
   }
 }
 
-/// Multiplications that a supernode costs, about.
+/// Multiplications that a supernode costs, about; whole ones.
 double BlockCholesky::workOf(int s) const {
   const double width = 3.0 * elimination_.supernode(s).width, below = 3.0 * elimination_.supernode(s).below();
-  return width * (width * width / 6 + width * below / 2 + below * below / 2);
+  return std::floor(width * (width * width / 6 + width * below / 2 + below * below / 2));
 }
 
 void BlockCholesky::beginFactorization(double damping) {

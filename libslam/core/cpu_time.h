@@ -1,7 +1,7 @@
 #pragma once
 #include <time.h>
 
-namespace slam::process {
+namespace slam::core {
 
 /// CPU time of the calling thread.
 inline double threadCpuSeconds() {
@@ -10,4 +10,4 @@ inline double threadCpuSeconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-}  // namespace slam::process
+}  // namespace slam::core
