@@ -66,6 +66,8 @@ int runRasterslam(int argc, char** argv) {
 void keepFreedMemory() {
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  // What one thread gave back another takes, instead of memory that is touched for the first time.
+  mallopt(M_ARENA_MAX, 1);
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "libslam/navigate/return_to_start.h"
 #include "libslam/core/cpu_time.h"
+#include "libslam/navigate/return_to_start.h"
 #include "libslam/record/sensor.h"
 #include "libslam/robot/drive.h"
 

@@ -62,8 +62,9 @@ std::vector<Eigen::Matrix3d> GraphSlam::relativeCovariances(
     const std::vector<std::pair<int, int>>& scans) const {
   std::vector<Eigen::Matrix3d> result;
   if (scans.empty()) return result;
-  const posegraph::Marginals keyframes(keyframes::witnessGraph(map_->graph(), map_->graph().poses(), map_->witnesses()),
-                                       posegraph::Marginals::Open::kBounded);
+  const posegraph::Marginals keyframes(
+      keyframes::witnessGraph(map_->graph(), map_->graph().poses(), map_->witnesses()),
+      posegraph::Marginals::Open::kBounded);
   result.reserve(scans.size());
   const auto moves = [](double x, double y, double phi) {
     const auto [s, c] = core::sinCos(phi);

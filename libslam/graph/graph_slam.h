@@ -86,8 +86,8 @@ namespace slam::graph {
 class GraphSlam {
  public:
   explicit GraphSlam(const keyframes::GraphOptions& options);
-  /// 2 or more: loops are searched for, and poses found anew, by another thread while scans are tracked. Poses,
-  /// map and journal are the same, to the byte.
+  /// 2 or more: loops are searched for, and poses found anew, by another thread while scans are tracked.
+  /// Poses, map and journal are the same, to the byte.
   void useThreads(int threads);
   /// CPU time of the other thread, so far.
   double threadSeconds() const { return loops_.threadSeconds(); }

@@ -8,8 +8,8 @@
 
 namespace slam::keyframes {
 
-/// Finds all poses of a map anew, and how sure they are: on a copy, so that the map may grow meanwhile, and in
-/// pieces, as core::PacedWork takes them. For the rooms of graph SLAM only.
+/// Finds all poses of a map anew, and how sure they are: on a copy, so that the map may grow meanwhile, and
+/// in pieces, as core::PacedWork takes them. For the rooms of graph SLAM only.
 class Settling {
  public:
   /// Of the map as it stands. `options`: how the poses are found. Errors: as posegraph::OptimizeInPieces.

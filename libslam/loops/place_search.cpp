@@ -138,14 +138,15 @@ void PlaceSearch::drawPlace() {
   const double reach_m = reachOf(old_);
   // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle
   // between two beams leaves it no finer detail, and every turn that it tells apart costs.
-  place_->coarser = std::clamp(std::max(reach_m / kFineReach_m, search_.view_m / kFineView_m), 1.0, kCoarsest);
+  place_->coarser =
+      std::clamp(std::max(reach_m / kFineReach_m, search_.view_m / kFineView_m), 1.0, kCoarsest);
   place_->points = map_->placeAround(around_);
   place_->is_drawn = false;
   place_->query = search_.points;
   place_->centre = map_->pose(search_.keyframe);
-  place_->window = {reach_m,
-                    std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * search_.way_m[static_cast<size_t>(old_)],
-                             kSearchTurnMost_rad)};
+  place_->window = {
+      reach_m, std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * search_.way_m[static_cast<size_t>(old_)],
+                        kSearchTurnMost_rad)};
 }
 
 bool PlaceSearch::Place::advance(double& work) {
@@ -214,7 +215,8 @@ PlaceSearch::Stage PlaceSearch::noteRival(const std::optional<scanmatch::SearchR
   add(rival->T_map_robot, 0, isKnown, work);
   // One that the way there makes likelier may be at the edge of the map, where less is explained.
   const Pose2& here = map_->pose(search_.keyframe);
-  place_->window.half_xy_m = std::min(core::distance(best_.T_map_robot, here) - kRivalApart_m, kLikelyReach_m);
+  place_->window.half_xy_m =
+      std::min(core::distance(best_.T_map_robot, here) - kRivalApart_m, kLikelyReach_m);
   if (place_->window.half_xy_m <= 0 || core::distance(rival->T_map_robot, here) < place_->window.half_xy_m)
     return Stage::kPlace;
   searchOn(kRivalShare * best_.score);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <sstream>
 
+#include "libslam/core/cpu_time.h"
 #include "libslam/core/error.h"
 #include "libslam/core/thread_team.h"
 #include "libslam/files/files.h"
@@ -15,7 +16,6 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/map_score.h"
-#include "libslam/core/cpu_time.h"
 #include "libslam/process/memory_meter.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/results/manifest_entries.h"
@@ -195,8 +195,7 @@ class Finisher {
   void finish() {
     const double begin_s = core::threadCpuSeconds(), thread_begin_s = mapping::threadSeconds(method_);
     if (!run_.stopped) ask([&] { mapping::finishMap(method_); });
-    ending_.finish_s =
-        core::threadCpuSeconds() - begin_s + mapping::threadSeconds(method_) - thread_begin_s;
+    ending_.finish_s = core::threadCpuSeconds() - begin_s + mapping::threadSeconds(method_) - thread_begin_s;
     ending_.beside_s = thread_begin_s;
   }
 

@@ -74,6 +74,38 @@ TEST(Closing, KeyframesThatCameMeanwhileStayWhereTheyWereReachedFrom) {
   EXPECT_GT(core::distance(laps.graph.keyframePose(newest), T_map_newest), 0.01);
 }
 
+// Two laps by one thread, and by two.
+TEST(Closing, ASecondThreadChangesNothing) {
+  Laps one, two;
+  two.graph.useThreads(2);
+  for (size_t i = 0; i < one.log.scans.size(); ++i) {
+    one.process(i), two.process(i);
+    ASSERT_EQ(one.graph.revision(), two.graph.revision()) << i;
+  }
+  for (Laps* laps : {&one, &two}) laps->graph.finish();
+  ASSERT_EQ(one.graph.journal().size(), two.graph.journal().size());
+  for (size_t i = 0; i < one.graph.journal().size(); ++i)
+    EXPECT_EQ(one.graph.journal()[i].value, two.graph.journal()[i].value) << i;
+  EXPECT_TRUE(one.hasNoted(core::JournalEvent::kOptimised, 0));
+  const auto poses = one.graph.poses(), others = two.graph.poses();
+  for (size_t i = 0; i < poses.size(); ++i)
+    EXPECT_TRUE(poses[i].x == others[i].x && poses[i].y == others[i].y && poses[i].phi == others[i].phi) << i;
+  EXPECT_EQ(one.graph.covariances(), two.graph.covariances());
+  EXPECT_EQ(one.graph.threadSeconds(), 0);
+  EXPECT_GT(two.graph.threadSeconds(), 0);
+}
+
+// A robot is switched off, or begins anew, at any moment.
+TEST(Closing, IsGivenUpWithTheMap) {
+  Laps laps;
+  laps.graph.useThreads(2);
+  size_t i = 0;
+  ASSERT_GT(laps.driveUntil(core::JournalEvent::kAccepted, i), 0);
+  laps.graph = GraphSlam(Laps::options());
+  laps.process(0);
+  EXPECT_EQ(laps.graph.keyframeCount(), 1);
+}
+
 // A log may end before all pieces are done.
 TEST(Closing, IsCompletedWhenTheLogEnds) {
   Laps laps;

@@ -1,10 +1,12 @@
 #pragma once
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/settling.h"
 
 /// Maps of a few keyframes, put where a test wants them.
 namespace slam::keyframes::test_maps {
@@ -52,6 +54,16 @@ inline int addKeyframe(KeyframeMap& map, const core::Pose2& T_map_robot, const l
 inline void addRow(KeyframeMap& map, int count) {
   for (int i = 0; i < count; ++i)
     addKeyframe(map, {1.0 * i, 0, 0}, roundRoom(5), 1.0 * i, i == 0 ? -1 : map.lastKeyframe());
+}
+
+/// Finds all poses anew, and takes them over.
+inline void settleAtOnce(KeyframeMap& map) {
+  posegraph::OptimizeOptions options;
+  options.robust = "none";
+  Settling settling(map, options);
+  double unlimited = std::numeric_limits<double>::infinity();
+  settling.advance(unlimited);
+  map.settle(settling.result());
 }
 
 }  // namespace slam::keyframes::test_maps

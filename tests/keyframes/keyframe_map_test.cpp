@@ -178,10 +178,9 @@ TEST(KeyframeMap, SettlingTakesLengthsAndCovariancesAnew) {
   addRow(map, 3);
   for (int k = 1; k < 3; ++k)
     map.keyframes()[static_cast<size_t>(k)].noise = 0.21 * Eigen::Matrix3d::Identity();
-  map.graph().setPose(2, {1, 4, 0});
-  map.settle();
-  map.updateWays();
-  map.updateCovariances();
+  map.graph().setMeasurement(map.keyframe(2).odometry_edge,
+                             core::between(map.pose(map.keyframeBefore(2)), Pose2{1, 4, 0}));
+  test_maps::settleAtOnce(map);
   EXPECT_EQ(map.revision(), 1);
   EXPECT_EQ(map.keyframesAround(1, {1, 0}, 3.9, 9).size(), 2U);
   EXPECT_EQ(map.keyframesAround(1, {1, 0}, 4.1, 9).size(), 3U);

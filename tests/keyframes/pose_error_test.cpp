@@ -228,8 +228,9 @@ TEST(Witnesses, WhatWasMatchedIsKnownFromThereAndNotTwice) {
   // Whatever other edges say the same again.
   chain.map.tie(2, {0, 1}, chain.map.pose(2), 1e6 * Matrix3d::Identity(), 1);
   expectNear(chain.ofLast(), diagonal(0.0025, 0.0025, 2.5e-5));
-  EXPECT_EQ(chain.map.witnesses().edges().size(), 2U);
-  EXPECT_TRUE(chain.map.witnesses().isFixed(0));
+  const auto graph = witnessGraph(chain.map.graph(), chain.map.graph().poses(), chain.map.witnesses());
+  EXPECT_EQ(graph.edges().size(), 2U);
+  EXPECT_TRUE(graph.isFixed(0));
 }
 
 // Each of a loop's keyframes is one witness, however many edges it has: of all together as much counts as one
@@ -283,7 +284,7 @@ struct WindingWay : Chain {
   }
   /// The largest difference from what all witnesses say together, over all pairs; of variances about 0.1.
   double worst() const {
-    const posegraph::Marginals all(map.witnesses());
+    const posegraph::Marginals all(witnessGraph(map.graph(), map.graph().poses(), map.witnesses()));
     double worst = 0;
     for (int a = 0; a < map.size(); ++a)
       for (int b = 0; b < map.size(); ++b)
@@ -299,10 +300,32 @@ TEST(Witnesses, TheWayBetweenTwoIsKnownWithoutAskingAll) {
   EXPECT_LT(way.worst(), 1e-9) << "no loop yet: a tree";
   way.addLoop({{1, 11}, {2, 11}}, diagonal(40, 30, 400));
   EXPECT_GT(way.worst(), 1e-3) << "nobody was told of the loop";
-  way.map.updateWays();
+  test_maps::settleAtOnce(way.map);
   EXPECT_LT(way.worst(), 1e-9);
   way.driveOn(9);
   EXPECT_LT(way.worst(), 1e-9) << "some came since";
+}
+
+TEST(Witnesses, KeyframesThatCameSinceAreAsSureAsAllTogetherSay) {
+  WindingWay way;
+  way.driveOn(9);
+  way.addLoop({{1, 11}, {2, 11}}, diagonal(40, 30, 400));
+  posegraph::OptimizeOptions options;
+  options.robust = "none";
+  Settling settling(way.map, options);
+  double unlimited = std::numeric_limits<double>::infinity();
+  ASSERT_TRUE(settling.advance(unlimited));
+  const int known = way.map.size();
+  way.driveOn(6);
+  for (auto& one : way.map.keyframes()) one.noise = diagonal(0.2, 0.3, 0.4);
+  way.map.settle(settling.result());
+  const auto all = way.map.keyframeCovariances();
+  for (int k = 1; k < way.map.size(); ++k) {
+    const Keyframe& one = way.map.keyframe(k);
+    expectNear(one.covariance, all[static_cast<size_t>(k)]);
+    const Matrix3d noise = k < known ? Matrix3d::Zero().eval() : one.noise;  // as it was when that began
+    expectNear(one.root * one.root, one.covariance + noise);
+  }
 }
 
 }  // namespace
