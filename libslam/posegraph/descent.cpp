@@ -97,7 +97,7 @@ void Descent::judgeStep() {
 }
 
 bool Descent::advance(double& work) {
-  for (bool is_first = true; work > 0 && doing_ != Doing::kNothing; is_first = false) {
+  while (work > 0 && doing_ != Doing::kNothing) {
     if (doing_ == Doing::kFactorise) {
       const auto progress = system_.advanceFactorization(work);
       if (progress == sparse::BlockCholesky::Progress::kDone) doing_ = Doing::kSolve;
@@ -105,9 +105,7 @@ bool Descent::advance(double& work) {
       continue;
     }
     if (doing_ == Doing::kSolve) {
-      const double cost = system_.workOfSolving();
-      if (cost > work && !is_first) return false;  // a piece of its own
-      work -= cost;
+      if (!solving_.isPaid(system_.workOfSolving(), work)) return false;
       takeStep();
       continue;
     }
