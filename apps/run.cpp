@@ -205,8 +205,8 @@ void addRun(CLI::App& app, Context& context) {
       "a method of type graph it is found anywhere)");
   command
       ->add_option("--threads", arguments->threads,
-                   "2: the log is read ahead, graph closes loops beside the scans to come, and the map is "
-                   "written while the scans are held against it; the same bytes")
+                   "2 or more: the log is read ahead, graph closes loops beside the scans to come, particles are "
+                   "shared out, and the map is written while the scans are held against it; the same bytes")
       ->check(CLI::Range(1, 256));
   command->add_option("--lidars", arguments->lidars,
                       "sensor labels of the lidars to use, as front,rear (default: all 2D scanners)");

@@ -86,6 +86,12 @@ ParticleMapBuilder::ParticleMapBuilder(const particles::ParticleFilterOptions& f
   initialize();
 }
 
+void ParticleMapBuilder::useThreads(int threads) {
+  if (threads <= filter_options_.threads) return;
+  filter_options_.threads = threads;
+  filter_->useThreads(threads);
+}
+
 void ParticleMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap,
                                     const mrpt::poses::CPosePDF* x0) {
   initial_map_ = initialMap;

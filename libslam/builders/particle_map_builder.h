@@ -41,6 +41,8 @@ class ParticleMapBuilder : public mrpt::slam::CMetricMapBuilder {
   /// Writes a picture of the grid; the format follows the suffix.
   void saveCurrentEstimationToImage(RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS) override;
 
+  /// So many threads, or as many as the filter's options have; stays when it is initialized anew.
+  void useThreads(int threads);
   /// After the last scan: the loops that are left.
   void finish();
 

@@ -3,10 +3,12 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <numeric>
 #include <system_error>
 #include <thread>
 #include <vector>
 
+#include "libslam/core/cpu_time.h"
 #include "libslam/core/error.h"
 
 namespace slam::core {
@@ -30,9 +32,11 @@ struct ThreadTeam::Shared {
   bool ended = false;
   FirstError first_error;
   std::vector<std::thread> threads;
+  std::vector<double> thread_s;  ///< CPU time of each
 
-  /// Works until no job is left. The lock is held on entry and on return.
-  void workOff(std::unique_lock<std::mutex>& lock) {
+  /// Works until no job is left. The lock is held on entry and on return. `cpu_s`: of the thread, before the
+  /// last job counts as done.
+  void workOff(std::unique_lock<std::mutex>& lock, double* cpu_s = nullptr) {
     while (next < count) {
       const size_t index = next++;
       const auto* current = job;
@@ -43,18 +47,21 @@ struct ThreadTeam::Shared {
       } catch (...) {
         error = std::current_exception();
       }
+      const double now_s = cpu_s == nullptr ? 0 : threadCpuSeconds();
       lock.lock();
+      if (cpu_s != nullptr) *cpu_s = now_s;
       if (error) first_error.add(index, error);
       if (++done == count) work_is_done.notify_all();
     }
   }
 
-  void wait() {
+  /// A thread of the team's own.
+  void wait(size_t thread) {
     std::unique_lock<std::mutex> lock(mutex);
     for (;;) {
       work_is_there.wait(lock, [this] { return ended || next < count; });
       if (ended) return;
-      workOff(lock);
+      workOff(lock, &thread_s[thread]);
     }
   }
 };
@@ -63,10 +70,12 @@ ThreadTeam::ThreadTeam(int threads) {
   if (threads < 1) throw ContractError("ThreadTeam: threads must be at least 1");
   if (threads == 1) return;
   shared_ = std::make_unique<Shared>();
-  shared_->threads.reserve(static_cast<size_t>(threads - 1));
+  const auto others = static_cast<size_t>(threads - 1);
+  shared_->threads.reserve(others);
+  shared_->thread_s.resize(others);
   try {
-    for (int i = 1; i < threads; ++i)
-      shared_->threads.emplace_back([shared = shared_.get()] { shared->wait(); });
+    for (size_t i = 0; i < others; ++i)
+      shared_->threads.emplace_back([shared = shared_.get(), i] { shared->wait(i); });
   } catch (const std::system_error&) {
     // A limit on threads or memory: those that there are do the work.
   }
@@ -87,6 +96,12 @@ ThreadTeam::~ThreadTeam() {
   }
   shared_->work_is_there.notify_all();
   for (auto& thread : shared_->threads) thread.join();
+}
+
+double ThreadTeam::threadSeconds() const {
+  if (!shared_) return 0;
+  const std::lock_guard<std::mutex> lock(shared_->mutex);
+  return std::accumulate(shared_->thread_s.begin(), shared_->thread_s.end(), 0.0);
 }
 
 void ThreadTeam::forEach(size_t count, const std::function<void(size_t)>& job) {

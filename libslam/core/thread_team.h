@@ -20,6 +20,8 @@ class ThreadTeam {
   /// Calls job(0) .. job(count - 1), each once, in any order, and returns when all are done. Errors: of those
   /// that jobs throw, the one with the smallest index is thrown on; the others' jobs are still called.
   void forEach(size_t count, const std::function<void(size_t)>& job);
+  /// CPU time so far of the threads other than the caller's.
+  double threadSeconds() const;
 
  private:
   struct Shared;

@@ -129,9 +129,9 @@ gridmap::OccupancyRaster currentMap(const MapBuilder& method);
 /// joint refinement). currentMap() and finalPath() may change, the poses given online do not.
 void finishMap(MapBuilder& method);
 
-/// So many threads in all, the caller's among them, may work on the method from now on; at first 1. What
-/// comes out is the same, to the byte. Only graph takes a second one: loops are closed beside the scans to
-/// come.
+/// So many threads in all, the caller's among them, may work on the method from now on; at first 1, or
+/// [particles] threads. What comes out is the same, to the byte. graph takes a second one, which closes loops
+/// beside the scans to come; particles takes all.
 void useThreads(MapBuilder& method, int threads);
 /// CPU time so far of threads other than the caller's.
 double threadSeconds(const MapBuilder& method);

@@ -16,6 +16,8 @@ class ParticleMethod : public MrptMethod {
       : MrptMethod(std::move(builder), mapping, motion, seed) {}
 
   void finish() override;
+  void useThreads(int threads) override;
+  double threadSeconds() const override { return filter().threadSeconds(); }
   std::vector<core::JournalEntry> journal() const override { return filter().journal(); }
   std::optional<core::Trajectory> finalPath(const core::Trajectory& online) const override;
   std::vector<Eigen::Matrix3d> finalCovariances() const override { return filter().covariances(); }
@@ -34,6 +36,10 @@ class ParticleMethod : public MrptMethod {
 /// The loops that are left; the poses given online do not change.
 void ParticleMethod::finish() {
   if (builder().options.enableMapUpdating) builder().finish();
+}
+
+void ParticleMethod::useThreads(int threads) {
+  builder().useThreads(threads);
 }
 
 /// That of the most likely particle, whose map map() is.

@@ -139,6 +139,10 @@ class ParticleFilter {
   const ParticleStep& update(const lidar::Scan& scan, const std::optional<Motion>& motion,
                              const std::vector<lidar::Scan>& others = {});
   const ParticleStep& lastStep() const { return step_; }
+  /// So many, instead of options.threads.
+  void useThreads(int threads) { team_ = core::ThreadTeam(threads); }
+  /// CPU time so far of those other than the caller's; since useThreads().
+  double threadSeconds() const { return team_.threadSeconds(); }
 
   /// After the last scan: loops that are found with all of the path known. The pose at the last scan follows.
   void finish();

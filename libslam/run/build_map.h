@@ -48,8 +48,8 @@ struct BuildOptions {
   Continuation continuation = {};
   record::StepObserver* observer = nullptr;
   bool keep_partial = false;  ///< an interrupt keeps what was mapped until then
-  /// 2 or more: the log is read ahead, graph closes its loops beside the scans to come, and when all are in,
-  /// they are held against the map while that is written.
+  /// 2 or more: the log is read ahead, methods take what they can use (mapping::useThreads()), and when all
+  /// scans are in, they are held against the map while that is written.
   int threads = 1;
   /// Of the log: how sure the method is of the motion between their stamps goes into
   /// covariances_relative.csv. What they say of it is not looked at.

@@ -26,6 +26,29 @@ TEST(ThreadTeam, DoesEveryJobOnceWithAnyNumberOfThreads) {
   }
 }
 
+TEST(ThreadTeam, KnowsWhatItsThreadsTook) {
+  ThreadTeam alone(1), two(2);
+  const auto work = [](size_t) {
+    double sum = 0;
+    for (int i = 0; i < 300000; ++i) sum += 1.0 / (i + 1);
+    EXPECT_GT(sum, 1);
+  };
+  alone.forEach(20, work);
+  EXPECT_EQ(alone.threadSeconds(), 0);
+  // Whether the other thread comes to do a job is the system's affair.
+  std::atomic<bool> has_other_begun{false};
+  const auto caller = std::this_thread::get_id();
+  two.forEach(20, [&](size_t i) {
+    has_other_begun = has_other_begun || std::this_thread::get_id() != caller;
+    while (!has_other_begun) std::this_thread::yield();
+    work(i);
+  });
+  const double first = two.threadSeconds();
+  EXPECT_GT(first, 0);
+  two.forEach(20, work);
+  EXPECT_GE(two.threadSeconds(), first);
+}
+
 TEST(ThreadTeam, ThrowsTheErrorOfTheFirstJobAndGoesOnWorking) {
   for (const int threads : {1, 4}) {
     ThreadTeam team(threads);
