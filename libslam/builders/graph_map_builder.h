@@ -39,7 +39,7 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
 
   /// The same as processActionObservation() without MRPT's types in between.
   core::Pose2 processScan(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
-  void finish() { graph_.finish(); }
+  void finish(core::Progress& progress = core::silentProgress()) { graph_.finish(progress); }
   /// See GraphSlam; stays when it is initialized anew.
   void useThreads(int threads);
   /// After initialize() with a map: nobody knows where in it the robot is. REQUIRES options.enableMapUpdating

@@ -166,7 +166,7 @@ std::vector<Pose2> GraphSlam::poses() const {
   return result;
 }
 
-void GraphSlam::finish() {
+void GraphSlam::finish(core::Progress& progress) {
   if (map_->keyframes().empty()) return;
   completeClosing();
   if (options_.loops) joinRemainingParts();
@@ -174,8 +174,8 @@ void GraphSlam::finish() {
       std::find_if(map_->keyframes().begin(), map_->keyframes().end(),
                    [](const keyframes::Keyframe& one) { return one.scan != keyframes::kOfEarlierRun; });
   if (options_.loops)
-    loops_.searchRemainingLoops(static_cast<int>(first_new - map_->keyframes().begin()),
-                                [this] { haveMoved(); });
+    loops_.searchRemainingLoops(
+        static_cast<int>(first_new - map_->keyframes().begin()), [this] { haveMoved(); }, progress);
   // What was known before stays as it is when nothing came to it.
   if (first_new != map_->keyframes().end() && loops_.closeRest()) haveMoved();
   noteWhatStaysApart();

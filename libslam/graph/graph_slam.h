@@ -106,8 +106,8 @@ class GraphSlam {
 
   /// Looks for the loops that are left, now that the whole path is known, finds all poses anew by what later
   /// passes through a place measured, and refines them jointly (`refine_rounds`). What process() gave stays;
-  /// poses() changes.
-  void finish();
+  /// poses() changes. Errors: what `progress` throws; the map is whole then, with the loops found so far.
+  void finish(core::Progress& progress = core::silentProgress());
 
   /// One per process(), as everything known now has it.
   std::vector<core::Pose2> poses() const;

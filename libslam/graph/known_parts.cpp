@@ -73,7 +73,8 @@ std::vector<loops::PartPlace> GraphSlam::joinParts(core::Progress& progress) {
       goes_on = true;
     }
   }
-  loops_.searchRemainingLoops(0, [this] { haveMoved(); });
+  loops_.searchRemainingLoops(
+      0, [this] { haveMoved(); }, progress);
   if (options_.refine_rounds > 0) refine();
   for (size_t p = 1; p < map_->parts().size(); ++p) judge(p, places[p - 1]);
   return places;

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <numeric>
 #include <queue>
+
+#include "libslam/core/numbers.h"
 
 namespace slam::keyframes {
 namespace {
@@ -92,32 +95,38 @@ std::vector<double> shortestWays(const std::vector<double>& path_m,
     double at_m;
     size_t mate;
   };
-  std::vector<std::pair<double, size_t>> order;
   const auto at = [&](int k) { return path_m[static_cast<size_t>(k)]; };
+  std::vector<size_t> begin(path_m.size() + 1, 0);  // of each keyframe's gates
   for (const auto& [a, b] : closures)
-    order.push_back({at(a), order.size()}), order.push_back({at(b), order.size()});
-  std::sort(order.begin(), order.end());
-  std::vector<size_t> place(order.size());
-  for (size_t i = 0; i < order.size(); ++i) place[order[i].second] = i;
-  std::vector<Gate> gates;
-  gates.reserve(order.size());
-  for (const auto& [at_m, end] : order) gates.push_back({at_m, place[end ^ 1U]});
+    ++begin[static_cast<size_t>(a) + 1], ++begin[static_cast<size_t>(b) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Gate> gates(2 * closures.size());
+  for (const auto& [a, b] : closures) {
+    const size_t at_a = begin[static_cast<size_t>(a)]++, at_b = begin[static_cast<size_t>(b)]++;
+    gates[at_a] = {at(a), at_b}, gates[at_b] = {at(b), at_a};
+  }
 
-  // From gate to gate it is enough to go to the next ones along the path, and through the closure.
-  std::vector<double> way(gates.size());
+  // To the next gates along the path; from gate to gate it is enough to go to the next ones, too, and through
+  // the closure.
+  std::vector<double> way(gates.size(), core::kInfinity);
   std::priority_queue<std::pair<double, size_t>, std::vector<std::pair<double, size_t>>, std::greater<>>
       queue;
-  for (size_t g = 0; g < gates.size(); ++g) queue.push({way[g] = std::abs(gates[g].at_m - at(from)), g});
+  const auto reach = [&](size_t gate, double way_m) {
+    if (way_m < way[gate]) queue.push({way[gate] = way_m, gate});
+  };
+  const auto next_gate = std::lower_bound(gates.begin(), gates.end(), at(from),
+                                          [](const Gate& gate, double at_m) { return gate.at_m < at_m; }) -
+                         gates.begin();
+  const auto after = static_cast<size_t>(next_gate);
+  if (after > 0) reach(after - 1, at(from) - gates[after - 1].at_m);
+  if (after < gates.size()) reach(after, gates[after].at_m - at(from));
   while (!queue.empty()) {
     const auto [way_m, g] = queue.top();
     queue.pop();
     if (way_m > way[g]) continue;
-    const auto reach = [&, so_far_m = way_m](size_t other, double length_m) {
-      if (so_far_m + length_m < way[other]) queue.push({way[other] = so_far_m + length_m, other});
-    };
-    reach(gates[g].mate, 0);
-    if (g > 0) reach(g - 1, gates[g].at_m - gates[g - 1].at_m);
-    if (g + 1 < gates.size()) reach(g + 1, gates[g + 1].at_m - gates[g].at_m);
+    reach(gates[g].mate, way_m);
+    if (g > 0) reach(g - 1, way_m + (gates[g].at_m - gates[g - 1].at_m));
+    if (g + 1 < gates.size()) reach(g + 1, way_m + (gates[g + 1].at_m - gates[g].at_m));
   }
 
   // And from a keyframe to the gates beside it.

@@ -198,7 +198,8 @@ void LoopCloser::follow(keyframes::Hypothesis& found) {
   if (found.failures <= keyframes::kMostFailures) hypotheses_.push_back(found);
 }
 
-void LoopCloser::searchRemainingLoops(int first_searched, const std::function<void()>& moved) {
+void LoopCloser::searchRemainingLoops(int first_searched, const std::function<void()>& moved,
+                                      core::Progress& progress) {
   hypotheses_.clear();
   search_.giveUp();
   const int n = map_->size();
@@ -206,6 +207,8 @@ void LoopCloser::searchRemainingLoops(int first_searched, const std::function<vo
   for (int k = first_searched; k < n; ++k) {
     const double at_m = map_->keyframe(k).path_m;
     if (at_m - searched_m < 2 * options_->loop_every_m) continue;
+    progress.update(static_cast<double>(k - first_searched) / (n - first_searched),
+                    map_->keyframe(k).seen.time_s - map_->keyframe(first_searched).seen.time_s);
     searched_m = at_m;
     int first = k, last = k;
     while (first > 0 && at_m - map_->keyframe(first - 1).path_m < options_->loop_path_m / 2) --first;

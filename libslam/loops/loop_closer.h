@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libslam/core/paced_work.h"
+#include "libslam/core/progress.h"
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/keyframes/settling.h"
 #include "libslam/loops/loop_judge.h"
@@ -38,8 +39,10 @@ class LoopCloser {
   std::optional<Accepted> completeSearching();
   /// With the whole path known a place can be looked at from both sides, and what drift had carried out of
   /// reach may have come near. From keyframe `first` on: a map of before was searched then. Calls `moved()`
-  /// whenever the keyframes have moved.
-  void searchRemainingLoops(int first, const std::function<void()>& moved);
+  /// whenever the keyframes have moved. Errors: what `progress` throws; then loops are left, none half
+  /// closed.
+  void searchRemainingLoops(int first, const std::function<void()>& moved,
+                            core::Progress& progress = core::silentProgress());
   /// Nothing where what was measured on the way does not allow for it. Its poses follow, when it is closed.
   /// REQUIRES that no other loop is being closed.
   std::optional<Accepted> accept(const keyframes::Hypothesis& loop);

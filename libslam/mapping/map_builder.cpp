@@ -165,8 +165,8 @@ gridmap::OccupancyRaster currentMap(const MapBuilder& method) {
   return method.method->map();
 }
 
-void finishMap(MapBuilder& method) {
-  method.method->finish();
+void finishMap(MapBuilder& method, core::Progress& progress) {
+  method.method->finish(progress);
 }
 
 void useThreads(MapBuilder& method, int threads) {

@@ -127,7 +127,7 @@ gridmap::OccupancyRaster currentMap(const MapBuilder& method);
 
 /// After the last scan: what a method does once it knows the whole log (graph: the loops that are left, a
 /// joint refinement). currentMap() and finalPath() may change, the poses given online do not.
-void finishMap(MapBuilder& method);
+void finishMap(MapBuilder& method, core::Progress& progress = core::silentProgress());
 
 /// So many threads in all, the caller's among them, may work on the method from now on; at first 1, or
 /// [particles] threads. What comes out is the same, to the byte. graph takes a second one, which closes loops

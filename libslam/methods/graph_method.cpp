@@ -23,7 +23,7 @@ class GraphMethod : public SlamMethod {
                    bool keep_map) override;
   std::vector<loops::PartPlace> joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
                                          core::Progress& progress) override;
-  void finish() override;
+  void finish(core::Progress& progress) override;
   void useThreads(int threads) override { builder_->useThreads(threads); }
   double threadSeconds() const override { return builder_->graph().threadSeconds(); }
   std::vector<core::JournalEntry> journal() const override;
@@ -60,8 +60,8 @@ std::vector<loops::PartPlace> GraphMethod::joinMaps(const std::vector<mrpt::maps
 }
 
 /// The loops that are left, and a joint refinement; the poses given online do not change.
-void GraphMethod::finish() {
-  if (builder_->options.enableMapUpdating) builder_->finish();
+void GraphMethod::finish(core::Progress& progress) {
+  if (builder_->options.enableMapUpdating) builder_->finish(progress);
 }
 
 /// The graph counts scans, others count steps, which may be of several scans.

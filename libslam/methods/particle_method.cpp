@@ -15,7 +15,7 @@ class ParticleMethod : public MrptMethod {
                  const builders::MappingOptions& mapping, const MotionOptions& motion, std::uint64_t seed)
       : MrptMethod(std::move(builder), mapping, motion, seed) {}
 
-  void finish() override;
+  void finish(core::Progress& progress) override;
   void useThreads(int threads) override;
   double threadSeconds() const override { return filter().threadSeconds(); }
   std::vector<core::JournalEntry> journal() const override { return filter().journal(); }
@@ -34,7 +34,7 @@ class ParticleMethod : public MrptMethod {
 };
 
 /// The loops that are left; the poses given online do not change.
-void ParticleMethod::finish() {
+void ParticleMethod::finish(core::Progress& /*progress*/) {
   if (builder().options.enableMapUpdating) builder().finish();
 }
 

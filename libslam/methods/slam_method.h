@@ -71,8 +71,8 @@ class SlamMethod {
   /// all that have one. One for each. REQUIRES a type that can (MethodType), and that no step was processed.
   virtual std::vector<loops::PartPlace> joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
                                                  core::Progress& progress);
-  /// After the last step.
-  virtual void finish() {}
+  /// After the last step. Errors: what `progress` throws; what there is then is whole.
+  virtual void finish(core::Progress& /*progress*/) {}
   /// So many threads in all, the caller's among them, may work from now on. What comes out is the same.
   virtual void useThreads(int /*threads*/) {}
   /// CPU time so far of threads other than the caller's.

@@ -192,9 +192,9 @@ class Finisher {
   Finisher(mapping::MapBuilder& method, MapRun& run, const Taken& taken, const BuildOptions& options)
       : method_(method), run_(run), taken_(taken), options_(options) {}
 
-  void finish() {
+  void finish(core::Progress& progress) {
     const double begin_s = core::threadCpuSeconds(), thread_begin_s = mapping::threadSeconds(method_);
-    if (!run_.stopped) ask([&] { mapping::finishMap(method_); });
+    if (!run_.stopped) ask([&] { mapping::finishMap(method_, progress); });
     ending_.finish_s = core::threadCpuSeconds() - begin_s + mapping::threadSeconds(method_) - thread_begin_s;
     ending_.beside_s = thread_begin_s;
   }
@@ -363,7 +363,9 @@ MapRun buildMap(const std::string& log_path, const files::IniFile& method_config
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
 
   Finisher finisher(method, run, taken, options);
-  finisher.finish();
+  progress.begin("finishing " + method_name);
+  finisher.finish(progress);
+  progress.end();
   run.path_length_m = core::pathLength(run.estimate);
   run.end = run.estimate.back().pose;
   // Before anything else takes memory, and before the reader's is free.

@@ -1,6 +1,7 @@
 // A loop's poses are found while the robot drives on: a piece of the work with every scan.
 #include <gtest/gtest.h>
 
+#include "libslam/core/error.h"
 #include "libslam/graph/graph_slam.h"
 #include "tests/graph/drawn_drives.h"
 
@@ -93,6 +94,31 @@ TEST(Closing, ASecondThreadChangesNothing) {
   EXPECT_EQ(one.graph.covariances(), two.graph.covariances());
   EXPECT_EQ(one.graph.threadSeconds(), 0);
   EXPECT_GT(two.graph.threadSeconds(), 0);
+}
+
+struct Impatient : core::Progress {
+  int most;  ///< updates
+  std::vector<double> fractions = {};
+  explicit Impatient(int updates) : most(updates) {}
+  void update(double fraction, double /*log_time_s*/) override {
+    fractions.push_back(fraction);
+    if (static_cast<int>(fractions.size()) > most) throw core::Interrupted();
+  }
+};
+
+TEST(Closing, LookingForWhatIsLeftTellsHowFarItIsAndCanBeInterrupted) {
+  Laps laps;
+  for (size_t i = 0; i < laps.log.scans.size(); ++i) laps.process(i);
+  Impatient progress(2);
+  EXPECT_THROW(laps.graph.finish(progress), core::Interrupted);
+  EXPECT_LT(worstError(laps.graph.poses(), laps.log.truth), 0.15);
+  Impatient patient(1000);
+  laps.graph.finish(patient);
+  ASSERT_GT(patient.fractions.size(), 3U);
+  EXPECT_TRUE(std::is_sorted(patient.fractions.begin(), patient.fractions.end()));
+  EXPECT_EQ(patient.fractions.front(), 0);
+  EXPECT_GT(patient.fractions.back(), 0.8);
+  EXPECT_LT(patient.fractions.back(), 1);
 }
 
 // A robot is switched off, or begins anew, at any moment.
