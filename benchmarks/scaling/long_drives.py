@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a robot costs that drives on and on where it has been: time a scan over the drive, memory, key frames, error.
 
-  benchmarks/scaling/long_drives.py [-p PROGRAM] [-w WORK] [-c CASES] [--hours H] [--visits N]
+  benchmarks/scaling/long_drives.py [-p PROGRAM] [-w WORK] [-c CASES] [--hours H] [--visits N] [--threads N]
 
 CASES: some of flat and office, or some of million and large.
 flat, office: a flat and a generated office for so many hours, `graph` as it is and with every keyframe kept (graph.known_views=0). Then
@@ -36,6 +36,7 @@ def parse_arguments():
     parser.add_argument("-c", "--cases", default="flat,office", help="which of the long drives")
     parser.add_argument("--hours", type=float, default=3)
     parser.add_argument("--visits", type=int, default=10)
+    parser.add_argument("--threads", type=int, default=1, help="of `run`; times are then of the one that takes the scans in")
     arguments = parser.parse_args()
     arguments.program = str(pathlib.Path(arguments.program).resolve())
     cases = set(arguments.cases.split(","))
@@ -75,11 +76,15 @@ def measure(program, run, truth, plan, case, known_views):
             "ate_final_m": accuracy["ate_final_m"], "wall_f1": accuracy.get("wall_f1")}
 
 
-def map_log(program, folder, log, name, known_views, *more):
-    run = folder / name
+def run_folder(arguments, folder, name):
+    return folder / (name if arguments.threads == 1 else f"{name}-{arguments.threads}")
+
+
+def map_log(arguments, folder, log, name, known_views, *more):
+    run = run_folder(arguments, folder, name)
     if not run.exists():
         keep = [] if known_views == "default" else ["--set", f"graph.known_views={known_views}"]
-        call(program, "run", "graph", log, "-o", run, "-q", *more, *keep)
+        call(arguments.program, "run", "graph", log, "-o", run, "-q", "--threads", arguments.threads, *more, *keep)
     return run
 
 
@@ -94,7 +99,7 @@ def long_drives(arguments, folder):
         if not log.exists():
             call(program, "simulate", plan, "-o", log, "--seed", 11, "--duration", round(3600 * arguments.hours), "-q")
         for known_views in ("default", 0):
-            run = map_log(program, folder, log, f"{case}-{known_views}", known_views)
+            run = map_log(arguments, folder, log, f"{case}-{known_views}", known_views)
             yield measure(program, run, log.with_suffix(".gt.tum"), plan, f"{case}, {arguments.hours:g} h", known_views)
 
 
@@ -107,7 +112,7 @@ def large_drives(arguments, folder):
         if not log.exists():
             call(program, "world", "make", "office", "-o", plan, "--size", size, "--seed", 21, "-q")
             call(program, "simulate", plan, "-o", log, "--seed", 1, "--duration", duration_s, "-q")
-        run = map_log(program, folder, log, f"{name}-graph", "default")
+        run = map_log(arguments, folder, log, f"{name}-graph", "default")
         yield measure(program, run, log.with_suffix(".gt.tum"), plan, case, "default")
         if name == "million":
             call(program, "plot", "cost", run, "-o", RESULTS / "scaling_large.png", "--width", "85mm", "--linear", "--overwrite", "-q")
@@ -124,9 +129,9 @@ def visits(arguments, folder):
         as_it_was = log.with_suffix(".plan.yaml")  # where furniture was moved
         plan = as_it_was if as_it_was.exists() else folder / "office.yaml"
         for known_views in ("default", 0):
-            before = ["--continue", folder / f"visit{visit - 1}-{known_views}", "--start",
+            before = ["--continue", run_folder(arguments, folder, f"visit{visit - 1}-{known_views}"), "--start",
                       place_in(folder / "visit1.gt.tum", truth)] if visit > 1 else []
-            run = map_log(program, folder, log, f"visit{visit}-{known_views}", known_views, *before)
+            run = map_log(arguments, folder, log, f"visit{visit}-{known_views}", known_views, *before)
             yield measure(program, run, truth, plan, f"visit {visit}", known_views)
 
 
@@ -144,7 +149,7 @@ def main():
         folder.mkdir(parents=True, exist_ok=True)
         cases = "" if arguments.cases == "flat,office" else f" -c {arguments.cases}"
         print(f"Made by: benchmarks/scaling/long_drives.py{cases}" + "".join(
-            f" --{key} {getattr(arguments, key):g}" for key, usual in (("hours", 3), ("visits", 10))
+            f" --{key} {getattr(arguments, key):g}" for key, usual in (("hours", 3), ("visits", 10), ("threads", 1))
             if getattr(arguments, key) != usual))
         print("\nCPU time a scan; MB of the whole program while it maps." + (
             "" if is_large else " known_views 0: every keyframe is kept.") + "\n")
