@@ -204,9 +204,10 @@ void addRun(CLI::App& app, Context& context) {
       "where the log begins in that map: x_m,y_m,yaw_deg (default: where that run ended; with --localise and "
       "a method of type graph it is found anywhere)");
   command
-      ->add_option("--threads", arguments->threads,
-                   "2 or more: the log is read ahead, graph closes loops beside the scans to come, particles are "
-                   "shared out, and the map is written while the scans are held against it; the same bytes")
+      ->add_option(
+          "--threads", arguments->threads,
+          "2 or more: the log is read ahead, graph closes loops beside the scans to come, particles are "
+          "shared out, and the map is written while the scans are held against it; the same bytes")
       ->check(CLI::Range(1, 256));
   command->add_option("--lidars", arguments->lidars,
                       "sensor labels of the lidars to use, as front,rear (default: all 2D scanners)");

@@ -17,7 +17,8 @@ class Descent {
   /// From `poses`; edge i counts `weights[i]` times. `tolerance` as in OptimizeOptions.
   Descent(const PoseGraph& graph, GraphSystem& system, std::vector<core::Pose2> poses,
           std::vector<double> weights, double tolerance, int max_iterations);
-  /// One piece; true when all is done: see core::PacedWork::Step. `work` as in sparse::BlockCholesky::advance().
+  /// One piece; true when all is done: see core::PacedWork::Step. `work` as in
+  /// sparse::BlockCholesky::advance().
   bool advance(double& work);
   /// All that is left.
   void finish();
