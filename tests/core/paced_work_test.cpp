@@ -63,6 +63,20 @@ TEST(PacedWork, IsDoneWhenAllIsPaidForWhoeverDoesIt) {
   }
 }
 
+TEST(PacedWork, ADearPieceIsPaidForOnceAndDoneWhenSomethingIsLeft) {
+  PaidFirst dear;
+  double left = 10;
+  EXPECT_FALSE(dear.isPaid(30, left));
+  EXPECT_EQ(left, -20);
+  EXPECT_FALSE(dear.isPaid(30, left)) << "nothing is left yet";
+  left = 5;
+  EXPECT_TRUE(dear.isPaid(30, left));
+  EXPECT_EQ(left, 5);
+  left = 100;
+  EXPECT_TRUE(dear.isPaid(30, left)) << "another one";
+  EXPECT_EQ(left, 70);
+}
+
 TEST(PacedWork, NegativePaymentsAreDebts) {
   for (const Where where : {Where::kHere, Where::kByThread}) {
     EXPECT_EQ(endOf({3}, {-10, 10, 10}, where).call, 2);
