@@ -134,8 +134,7 @@ namespace {
 class SeedRows {
  public:
   SeedRows(const table::Table& results, const SeedSelection& selection, const std::string& path)
-      : results_(results),
-        metric_(table::columnOf(results, selection.metric, path)),
+      : metric_(table::columnOf(results, selection.metric, path)),
         method_(table::columnOf(results, "method", path)),
         status_(table::columnOf(results, "status", path)) {
     for (const auto& column : results.columns)
@@ -206,7 +205,6 @@ class SeedRows {
     return title;
   }
 
-  const table::Table& results_;
   std::size_t metric_, method_, status_;
   std::optional<std::size_t> parameters_;
   std::vector<const Row*> rows_;

@@ -29,7 +29,7 @@ class ReplayTest : public ::testing::Test {
     run_ = run::buildMap(log_, mapping::loadMethodConfig(resources::configsFolder() + "/methods", "icp"),
                          "icp", 1, out_, false, {}, core::silentProgress());
   }
-  const testing::TempFolder folder_;
+  const testing::TempFolder folder_{};
   const std::string log_ = folder_ / "run.rawlog", out_ = folder_ / "out";
   run::MapRun run_;
 };

@@ -176,7 +176,7 @@ class FullDisk : public ::testing::Test {
     setrlimit(RLIMIT_FSIZE, &limit_);
     std::signal(SIGXFSZ, before_);
   }
-  const testing::TempFolder folder_;
+  const testing::TempFolder folder_{};
 
  private:
   rlimit limit_{};

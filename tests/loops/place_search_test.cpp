@@ -192,12 +192,11 @@ TEST(PlaceSearch, IsFollowedAtOnceAndAcceptedWhenItWasComparedWithOthers) {
 TEST(PlaceSearch, APlaceThatTheWayRulesOutIsNotWhereTheRobotIsExpected) {
   Followed one;
   auto& [options, robot, loops] = one;
-  const auto measureFirmly = [&](int k, int before) {
+  const auto measureFirmly = [&map = robot.map](int k, int before) {
     posegraph::Edge firm;
-    firm.from = before, firm.to = k,
-    firm.T_from_to = core::between(robot.map.pose(before), robot.map.pose(k));
+    firm.from = before, firm.to = k, firm.T_from_to = core::between(map.pose(before), map.pose(k));
     firm.information = 1e6 * Eigen::Matrix3d::Identity();
-    robot.map.keyframes()[static_cast<size_t>(k)].odometry_edge = robot.map.graph().addEdge(firm);
+    map.keyframes()[static_cast<size_t>(k)].odometry_edge = map.graph().addEdge(firm);
   };
   for (int k = 1; k <= robot.k; ++k) measureFirmly(k, k - 1);
   while (!loops.isFollowing()) loops.continueSearching();

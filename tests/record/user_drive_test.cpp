@@ -29,7 +29,7 @@ class UserDriveTest : public ::testing::Test {
     return sim::parseOperations(files::readTextFile(folder_ / "run.operations.txt"), "operations");
   }
 
-  const testing::TempFolder folder_;
+  const testing::TempFolder folder_{};
   files::IniFile ini_;
 };
 
