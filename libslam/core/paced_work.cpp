@@ -22,12 +22,12 @@ constexpr double kAll = 1e300;
 
 struct PacedWork::Shared {
   Step step;
-  double paid = 0;  ///< so far; the thread looks at `wanted`
   std::thread thread;
   // Under the mutex where there is a thread.
   std::mutex mutex;
   std::condition_variable changed;
-  double spent = 0, wanted = 0, thread_s = 0;  ///< wanted: whoever waits does so until as much is spent
+  double paid = 0, spent = 0;  ///< so far
+  double thread_s = 0;         ///< CPU time, in the end
   bool is_done = false, is_given_up = false;
   std::exception_ptr error;
 
@@ -53,7 +53,7 @@ struct PacedWork::Shared {
       spent += kSlice - left;
       is_done = done;
       if (done) thread_s = threadCpuSeconds();
-      if (done || spent >= wanted) changed.notify_one();
+      if (done || spent >= paid) changed.notify_one();
     }
   }
 };
@@ -87,14 +87,15 @@ PacedWork::~PacedWork() {
 bool PacedWork::advance(double& work) {
   Shared& s = *shared_;
   const bool all = std::isinf(work);
-  s.paid = all ? kAll : s.paid + work;
+  const auto pay = [&] { s.paid = all ? kAll : s.paid + work; };
   bool is_paid = false;
   if (s.thread.joinable()) {
     std::unique_lock<std::mutex> lock(s.mutex);
-    s.wanted = s.paid;
-    s.changed.wait(lock, [&s] { return s.is_done || s.spent >= s.wanted; });
+    pay();
+    s.changed.wait(lock, [&s] { return s.is_done || s.spent >= s.paid; });
     is_paid = s.isPaid();
   } else {
+    pay();
     while (!s.is_done && s.spent < s.paid) {
       const double before = all ? kAll : s.paid - s.spent;
       double left = before;

@@ -158,7 +158,7 @@ class KeyframeMap {
 /// A graph with what witnesses say of its nodes instead of its edges, at these poses.
 posegraph::PoseGraph witnessGraph(const posegraph::PoseGraph& graph, const std::vector<core::Pose2>& poses,
                                   const Witnesses& witnesses);
-/// How sure they are, by witnessGraph().
+/// How sure they are, by the Marginals of a witnessGraph(): x, y (m), phi (rad), map frame.
 std::vector<Eigen::Matrix3d> covariancesOf(const posegraph::Marginals& ways);
 
 }  // namespace slam::keyframes

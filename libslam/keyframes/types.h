@@ -101,7 +101,7 @@ struct Known {
 struct Witnesses {
   std::vector<Known> known;      ///< of each keyframe after the first
   std::vector<int> loop_begins;  ///< first edge of every loop
-  double variance;               ///< of what a loop's edges say
+  double variance;               ///< times the covariance that a loop's edges claim
 };
 /// All keyframes' poses, found anew, and how sure they are.
 struct Settled {

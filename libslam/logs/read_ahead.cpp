@@ -11,6 +11,7 @@
 namespace slam::logs {
 namespace {
 
+/// Scans.
 constexpr size_t kMostAhead = 64;
 
 }  // namespace
@@ -21,6 +22,7 @@ struct ReadAhead::State {
     std::optional<LogEntry> entry;
     std::exception_ptr error;
     double fraction = 0;
+    std::vector<std::string> lidars = {}, remarks = {};  ///< with the first one
   };
 
   LogReader reader;  ///< the thread's while there is one
@@ -29,10 +31,8 @@ struct ReadAhead::State {
   std::condition_variable changed;
   std::deque<Read> ahead;
   bool is_given_up = false;
-  // The caller's, but for the first scan.
-  double fraction = 0;
-  bool has_begun = false;
-  std::vector<std::string> lidars, remarks;
+  bool has_begun = false;  ///< to read
+  Read last;               ///< that the caller took, without its scan
 
   State(const std::string& path, const std::string& which) : reader(path, which) {}
 
@@ -44,7 +44,7 @@ struct ReadAhead::State {
       result.error = std::current_exception();
     }
     result.fraction = reader.fractionRead();
-    if (!std::exchange(has_begun, true)) lidars = reader.lidars(), remarks = reader.remarks();
+    if (!std::exchange(has_begun, true)) result.lidars = reader.lidars(), result.remarks = reader.remarks();
     return result;
   }
 
@@ -96,21 +96,22 @@ ReadAhead::~ReadAhead() {
 
 std::optional<LogEntry> ReadAhead::next() {
   State::Read one = state_->thread.joinable() ? state_->take() : state_->read();
-  state_->fraction = one.fraction;
+  state_->last.fraction = one.fraction;
+  if (!one.lidars.empty()) state_->last.lidars = one.lidars, state_->last.remarks = one.remarks;
   if (one.error) std::rethrow_exception(one.error);
   return std::move(one.entry);
 }
 
 double ReadAhead::fractionRead() const {
-  return state_->fraction;
+  return state_->last.fraction;
 }
 
 const std::vector<std::string>& ReadAhead::lidars() const {
-  return state_->lidars;
+  return state_->last.lidars;
 }
 
 const std::vector<std::string>& ReadAhead::remarks() const {
-  return state_->remarks;
+  return state_->last.remarks;
 }
 
 }  // namespace slam::logs

@@ -18,7 +18,8 @@ class ReadAhead {
   /// `is_ahead` false: all is read by the caller's thread, when it is asked for. Errors: as LogReader().
   ReadAhead(const std::string& path, const std::string& lidars, bool is_ahead);
   ~ReadAhead();
-  /// As LogReader has them; lidars() and remarks() as they were when the first scan was read.
+  /// As LogReader has them; lidars() and remarks() as they were when the first scan was read, and empty
+  /// before next() was called.
   std::optional<LogEntry> next();
   double fractionRead() const;
   const std::vector<std::string>& lidars() const;

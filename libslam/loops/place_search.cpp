@@ -128,13 +128,13 @@ bool PlaceSearch::nextPlace() {
                                [&](int a) { return search_.is_local[static_cast<size_t>(a)] != 0; }),
                 around_.end());
   around_ = keyframes::firstOf(std::move(around_), options_->map_keyframes);
-  drawPlace();
+  preparePlace();
   reach_m_ = std::max(reach_m_, place_->window.half_xy_m);
   return true;
 }
 
 /// What is looked for there, and on which raster.
-void PlaceSearch::drawPlace() {
+void PlaceSearch::preparePlace() {
   const double reach_m = reachOf(old_);
   // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle
   // between two beams leaves it no finer detail, and every turn that it tells apart costs.
@@ -172,7 +172,7 @@ void PlaceSearch::searchOn(double least_score) {
 bool PlaceSearch::advance(double work, const Known& isKnown) {
   for (bool has_worked = false; stage_ != Stage::kNone; has_worked = true) {
     if (stage_ == Stage::kPlace) {
-      // To draw a place cannot be divided.
+      // A place begins with a scan's whole work: what its keyframes saw is gathered at once.
       if (has_worked && work < std::numeric_limits<double>::infinity()) return false;
       if (has_found_ || candidates_.empty() || !nextPlace()) {
         stage_ = Stage::kNone;

@@ -38,7 +38,7 @@ class PlaceSearch {
   std::vector<keyframes::Hypothesis> take() { return std::exchange(found_, {}); }
   /// The widest window of the last search; 0: there was no place to look at.
   double reach_m() const { return reach_m_; }
-  /// CPU time of threads of its own, so far.
+  /// CPU time of threads of its own, so far; of what was given up none.
   double threadSeconds() const { return thread_s_; }
 
  private:
@@ -48,7 +48,7 @@ class PlaceSearch {
   double reachOf(int old) const;
   void listCandidates();
   bool nextPlace();
-  void drawPlace();
+  void preparePlace();
   Stage noteBest(const std::optional<scanmatch::SearchResult>& best, const Known& isKnown, double& work);
   Stage noteRival(const std::optional<scanmatch::SearchResult>& rival, const Known& isKnown, double& work);
   void searchOn(double least_score);
