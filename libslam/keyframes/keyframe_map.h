@@ -25,8 +25,8 @@ class KeyframeMap {
   int lastKeyframe() const { return size() - 1; }
   const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
   const core::Pose2& pose(int k) const { return graph_.pose(k); }
-  std::vector<Keyframe>& keyframes() { return keyframes_; }
-  const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  Keyframes& keyframes() { return keyframes_; }
+  const Keyframes& keyframes() const { return keyframes_; }
   posegraph::PoseGraph& graph() { return graph_; }
   const posegraph::PoseGraph& graph() const { return graph_; }
   Links& links() { return links_; }
@@ -139,7 +139,7 @@ class KeyframeMap {
  private:
   GraphOptions options_;
   posegraph::PoseGraph graph_;
-  std::vector<Keyframe> keyframes_;
+  Keyframes keyframes_;
   Links links_;
   std::vector<std::pair<int, int>> closures_;  ///< keyframes that accepted loops join
   std::vector<int> loop_begins_;               ///< first edge of every loop

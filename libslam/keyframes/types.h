@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <map>
 #include <memory>
 #include <utility>
@@ -37,6 +38,8 @@ struct Keyframe {
   Eigen::Matrix3d covariance;   ///< of its pose in the map
   Eigen::Matrix3d root;         ///< of the covariance with which what it saw first lies in the map; symmetric
 };
+/// None moves when one more comes.
+using Keyframes = std::deque<Keyframe>;
 /// Where a scan lies. There is one of every scan.
 struct Record {
   int keyframe;

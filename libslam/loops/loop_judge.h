@@ -18,7 +18,7 @@ class LoopJudge {
   /// Of the keyframes' poses in the map, and how sure the way from the first to the second is: of the second
   /// one's x, y, phi in the first one's frame. All have to stay as they are meanwhile.
   using Way = std::function<Eigen::Matrix3d(int, int)>;
-  LoopJudge(const std::vector<core::Pose2>& poses, const std::vector<keyframes::Keyframe>& keyframes, Way way)
+  LoopJudge(const std::vector<core::Pose2>& poses, const keyframes::Keyframes& keyframes, Way way)
       : poses_(poses), keyframes_(keyframes), way_(std::move(way)) {}
 
   /// How far a loop lies from where the way between has its keyframe: squared, in standard deviations of that
@@ -34,7 +34,7 @@ class LoopJudge {
 
  private:
   const std::vector<core::Pose2>& poses_;
-  const std::vector<keyframes::Keyframe>& keyframes_;
+  const keyframes::Keyframes& keyframes_;
   Way way_;
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 class Chaining {
  public:
-  Chaining(const std::vector<Edge>& edges, std::vector<std::optional<core::Pose2>> given)
+  Chaining(const Edges& edges, std::vector<std::optional<core::Pose2>> given)
       : edges_(edges), poses_(given.size()), edges_of_(given.size()) {
     for (size_t i = 0; i < edges.size(); ++i) {
       if (!edges[i].on) continue;
@@ -57,7 +57,7 @@ class Chaining {
         set(a, *poses_[b] * core::inverse(edge.T_from_to));
     }
   }
-  const std::vector<Edge>& edges_;
+  const Edges& edges_;
   std::vector<std::optional<core::Pose2>> poses_;
   std::vector<std::vector<size_t>> edges_of_;
   std::deque<size_t> next_;  // edges with at least one end set
@@ -65,8 +65,7 @@ class Chaining {
 
 }  // namespace
 
-std::vector<core::Pose2> chained(const std::vector<Edge>& edges,
-                                 std::vector<std::optional<core::Pose2>> given) {
+std::vector<core::Pose2> chained(const Edges& edges, std::vector<std::optional<core::Pose2>> given) {
   return Chaining(edges, std::move(given)).poses();
 }
 

@@ -11,8 +11,7 @@ namespace slam::posegraph {
 /// first and odometry before loops. A prior gives its node the pose that it measures. Where no chain leads,
 /// the first node left is put at the origin, and chaining goes on from there. Edges that are off do not
 /// count. REQUIRES edges between nodes below given.size().
-std::vector<core::Pose2> chained(const std::vector<Edge>& edges,
-                                 std::vector<std::optional<core::Pose2>> given);
+std::vector<core::Pose2> chained(const Edges& edges, std::vector<std::optional<core::Pose2>> given);
 
 /// The same of a graph, of which only the fixed nodes have a pose; node 0 where there is neither such a node
 /// nor a prior.

@@ -233,7 +233,7 @@ G2oGraph readG2o(std::istream& text, const std::string& name) {
   const auto nodeOf = [&out](Id id) {
     return static_cast<int>(std::lower_bound(out.ids.begin(), out.ids.end(), id) - out.ids.begin());
   };
-  std::vector<Edge> edges;
+  Edges edges;
   for (const FileEdge& read : content.edges) {
     Edge edge{kMap, nodeOf(read.to), read.T_from_to, read.information, EdgeKind::kOdometry};
     if (read.from) {

@@ -60,13 +60,14 @@ void PoseGraph::setPose(int node, const core::Pose2& T_map_node) {
 
 void PoseGraph::setOn(int edge, bool on) {
   requireEdge(edge, "setOn");
-  edges_[static_cast<size_t>(edge)].on = on;
+  const auto i = static_cast<size_t>(edge);
+  if (edges_[i].on != on) edges_.change(i).on = on;
 }
 
 void PoseGraph::setMeasurement(int edge, const core::Pose2& T_from_to) {
   requireEdge(edge, "setMeasurement");
   if (!core::isFinite(T_from_to)) refuse("setMeasurement", "a measurement that is not finite");
-  edges_[static_cast<size_t>(edge)].T_from_to = T_from_to;
+  edges_.change(static_cast<size_t>(edge)).T_from_to = T_from_to;
 }
 
 const core::Pose2& PoseGraph::pose(int node) const {

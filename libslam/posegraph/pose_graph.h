@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/core/shared_pieces.h"
 
 namespace slam::posegraph {
 
@@ -26,6 +27,9 @@ struct Edge {
   bool on = true;  ///< false: counts for nothing
 };
 
+/// In the order in which they were added.
+using Edges = core::SharedPieces<Edge>;
+
 /// What an optimisation works on: poses to be found, and measurements between them. Plain data with its
 /// rules; see optimize() and Marginals for what can be done with it.
 ///
@@ -36,6 +40,8 @@ struct Edge {
 ///
 /// Only differences of poses are measured, so something must hold the graph in place: at least one fixed
 /// node, or a prior, in each connected part.
+///
+/// A copy shares the edges with what it was copied from, see core::SharedPieces.
 class PoseGraph {
  public:
   /// Returns the node's number: 0, 1, 2 ... REQUIRES a finite pose (ContractError).
@@ -56,7 +62,7 @@ class PoseGraph {
   const std::vector<core::Pose2>& poses() const { return poses_; }
   const core::Pose2& pose(int node) const;
   bool isFixed(int node) const;
-  const std::vector<Edge>& edges() const { return edges_; }
+  const Edges& edges() const { return edges_; }
 
   /// Over the edges that are on.
   double chi2() const;
@@ -68,7 +74,7 @@ class PoseGraph {
   void requireEdge(int edge, const char* who) const;
   std::vector<core::Pose2> poses_;
   std::vector<char> fixed_;
-  std::vector<Edge> edges_;
+  Edges edges_;
 };
 
 /// What is wrong with an information matrix ("an entry that is not finite", "not symmetric", "zero",

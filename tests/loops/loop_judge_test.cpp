@@ -14,7 +14,7 @@ using keyframes::Hypothesis;
 /// Three keyframes in a row along the map's y, all of which look along it: edges of 10 cm and 10 mrad.
 struct Way {
   posegraph::PoseGraph graph;
-  std::vector<keyframes::Keyframe> keyframes;
+  keyframes::Keyframes keyframes;
   int asked = 0;
   Way() {
     for (int k = 0; k < 3; ++k) {
