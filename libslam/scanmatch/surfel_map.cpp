@@ -197,7 +197,8 @@ void SurfelMap::pushSurfel(const Sums& pooled, std::int64_t column, std::int64_t
                       static_cast<float>(information_along * ux * ux + information_across * uy * uy),
                       static_cast<float>(kHeldBack * gain * ux * uy),
                       static_cast<float>(information_along * uy * uy + information_across * ux * ux),
-                      static_cast<float>(pooled.nx), static_cast<float>(pooled.ny), -1});
+                      static_cast<float>(pooled.nx / pooled.n), static_cast<float>(pooled.ny / pooled.n),
+                      -1});
   first_views_.push_back(pooled.first_view);
   // The direction of a line through n points errs by this variance.
   const double turned2 = across / (pooled.n * along);

@@ -13,8 +13,9 @@ namespace slam::scanmatch {
 struct Surfel {
   float x, y;        ///< mean, from the map's origin
   float xx, xy, yy;  ///< information matrix (inverse covariance), 1/m^2
-  /// A wall whose two faces were both seen, apart from each other, has a surfel of each: the mean normal of
-  /// this one, towards the lidar, of any length, and the index of the other; -1: one face only.
+  /// A wall whose two faces were both seen, apart from each other, has a surfel of each: the mean of the unit
+  /// normals of this one's points, towards the lidar, and the index of the other; -1: one face only. (0, 0)
+  /// in a map that does not keep faces apart.
   float nx, ny;
   std::int32_t back;
 };
@@ -51,11 +52,21 @@ class SurfelMap {
     return index < 0 ? nullptr : &surfels_[static_cast<size_t>(index)];
   }
   /// The same for a point whose surface has this normal (of any length; towards the lidar): the face on its
-  /// side.
-  const Surfel* at(double x, double y, double nx, double ny) const {
+  /// side. Where a map of two faces has seen a wall from the other side alone, the point lies behind that by
+  /// the wall's thickness, which is not known: `share` of the surfel's information is left.
+  struct Facing {
+    const Surfel* surfel = nullptr;
+    double share = 1;
+  };
+  Facing facing(double x, double y, double nx, double ny) const {
     const Surfel* surfel = at(x, y);
-    if (!surfel || surfel->back < 0 || surfel->nx * nx + surfel->ny * ny >= 0) return surfel;
-    return &surfels_[static_cast<size_t>(surfel->back)];
+    if (!surfel) return {};
+    const double along = surfel->nx * nx + surfel->ny * ny;
+    if (along >= 0) return {surfel};
+    if (surfel->back >= 0) return {&surfels_[static_cast<size_t>(surfel->back)]};
+    const double own2 = surfel->nx * surfel->nx + surfel->ny * surfel->ny;
+    if (own2 < kOneSided * kOneSided || 4 * along * along < own2 * (nx * nx + ny * ny)) return {surfel};
+    return {surfel, 1 / (1 + kThickness_m * kThickness_m * static_cast<double>(surfel->xx + surfel->yy))};
   }
   /// The least of the views whose points made the surfel that at() gave last.
   int firstViewOf(const Surfel& surfel) const {
@@ -77,6 +88,10 @@ class SurfelMap {
     void add(const Sums& other, double w, double ox, double oy);
   };
   static constexpr std::int32_t kUnknown = -1, kNone = -2;
+  /// Points that were all seen from one side have normals whose mean is at least this long: half a unit, as
+  /// far as normals may point apart that are not opposite.
+  static constexpr double kOneSided = 0.5;
+  static constexpr double kThickness_m = 0.1;  ///< of the walls of buildings, roughly
   std::int32_t makeSurfel(std::int64_t cell) const;
   static bool areTwoFaces(const Sums& front, const Sums& back);
   std::int32_t indexOf(std::int64_t column, std::int64_t row);

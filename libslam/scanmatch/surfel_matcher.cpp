@@ -26,10 +26,11 @@ double countedPoints(size_t points, int outside) {
 /// A point's place beside the surfel that it falls on.
 struct Beside {
   const Surfel* surfel;  ///< nullptr: none
+  double share;          ///< of its information, see SurfelMap::facing()
   double rx, ry;         ///< the point from the robot, map axes
   double nx, ny;         ///< its normal, towards the lidar, of any length
   double dx, dy;         ///< from the surfel's mean
-  double ax, ay;         ///< the surfel's information times that
+  double ax, ay;         ///< that share of the surfel's information times that
   double q, w;           ///< squared distance in standard deviations; robust weight
 };
 
@@ -48,10 +49,12 @@ class AtPose {
     Beside b{};
     b.rx = c * point.x - s * point.y, b.ry = s * point.x + c * point.y;
     b.nx = -(s * point.along_x + c * point.along_y), b.ny = c * point.along_x - s * point.along_y;
-    b.surfel = map_.at(tx_ + b.rx, ty_ + b.ry, b.nx, b.ny);
+    const auto facing = map_.facing(tx_ + b.rx, ty_ + b.ry, b.nx, b.ny);
+    b.surfel = facing.surfel, b.share = facing.share;
     if (!b.surfel) return b;
     b.dx = tx_ + b.rx - b.surfel->x, b.dy = ty_ + b.ry - b.surfel->y;
-    b.ax = b.surfel->xx * b.dx + b.surfel->xy * b.dy, b.ay = b.surfel->xy * b.dx + b.surfel->yy * b.dy;
+    b.ax = b.share * (b.surfel->xx * b.dx + b.surfel->xy * b.dy);
+    b.ay = b.share * (b.surfel->xy * b.dx + b.surfel->yy * b.dy);
     b.q = b.dx * b.ax + b.dy * b.ay;
     const double root = 1 / (1 + b.q * inverse_kernel2_);
     b.w = root * root;
@@ -79,7 +82,8 @@ System accumulate(const std::vector<PatchPoint>& points, const SurfelMap& map, c
     const double rx = b.rx, ry = b.ry, w = b.w;
     weights += w;
     // J = [1 0 -ry; 0 1 rx]
-    const double lxx = w * b.surfel->xx, lxy = w * b.surfel->xy, lyy = w * b.surfel->yy;
+    const double told = w * b.share;
+    const double lxx = told * b.surfel->xx, lxy = told * b.surfel->xy, lyy = told * b.surfel->yy;
     const double jx = -lxx * ry + lxy * rx, jy = -lxy * ry + lyy * rx;
     hxx += lxx, hxy += lxy, hyy += lyy;
     hxt += jx, hyt += jy, htt += -ry * jx + rx * jy;
@@ -149,7 +153,7 @@ MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap&
       L << surfel->xx, surfel->xy, surfel->xy, surfel->yy;
       if (const double feigned = map.feignedBy(*surfel); feigned > 0)
         L -= feigned * (Eigen::Matrix2d::Identity() - L / L.trace());
-      at->information += b.w * J.transpose() * L * J;
+      at->information += b.w * b.share * J.transpose() * L * J;
       const double trace = surfel->xx + surfel->yy;
       const double det =
           static_cast<double>(surfel->xx) * surfel->yy - static_cast<double>(surfel->xy) * surfel->xy;
@@ -189,13 +193,14 @@ double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,
     ++count;
     const auto& p = points[i];
     const double x = tx + c * p.x - s * p.y, y = ty + s * p.x + c * p.y;
-    const Surfel* surfel = map.at(x, y, -(s * p.along_x + c * p.along_y), c * p.along_x - s * p.along_y);
+    const auto [surfel, share] =
+        map.facing(x, y, -(s * p.along_x + c * p.along_y), c * p.along_x - s * p.along_y);
     if (!surfel) {
       outside += !map.covers(x, y);
       continue;
     }
     const double dx = x - surfel->x, dy = y - surfel->y;
-    const double q = surfel->xx * dx * dx + 2 * surfel->xy * dx * dy + surfel->yy * dy * dy;
+    const double q = share * (surfel->xx * dx * dx + 2 * surfel->xy * dx * dy + surfel->yy * dy * dy);
     const double root = 1 / (1 + q * inverse_kernel2);
     sum += root * root;
   }

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+#include <vector>
+
 #include "libslam/scanmatch/scan_points.h"
 #include "tests/scanmatch/drawn_rooms.h"
 
@@ -91,19 +95,27 @@ TEST(SurfelMap, KeepsTheTwoFacesOfAThinWallApart) {
   const auto map = mapOfTwoRooms(true);
   const auto o = map.origin();
   for (const double x : {-0.06, 0.06}) {
-    const Surfel* face = map.at(x - o.x, 1 - o.y, x, 0);
+    const Surfel* face = map.facing(x - o.x, 1 - o.y, x, 0).surfel;
     ASSERT_NE(face, nullptr);
     EXPECT_GE(face->back, 0);
     EXPECT_NEAR(face->x + o.x, x, 0.01);
   }
-  // A wall that was seen from one side is the same from both.
-  const Surfel* outer = map.at(-4 - o.x, 1 - o.y, -1, 0);
+  // Of a wall that was seen from one side alone the other lies about a decimetre behind.
+  const Surfel* outer = map.at(-4 - o.x, 1 - o.y);
   ASSERT_NE(outer, nullptr);
-  EXPECT_EQ(outer, map.at(-4 - o.x, 1 - o.y, 1, 0));
   EXPECT_LT(outer->back, 0);
+  const auto behind = map.facing(-4 - o.x, 1 - o.y, -1, 0);
+  EXPECT_EQ(behind.surfel, outer);
+  EXPECT_NEAR(1 / std::sqrt(behind.share * (outer->xx + outer->yy)), 0.1, 0.01);
+  // A point that has no normal, or one along the wall, does not lie there.
+  for (const auto& [nx, ny] : {std::pair(1.0, 0.0), std::pair(0.0, 0.0), std::pair(-0.1, 1.0)}) {
+    const auto facing = map.facing(-4 - o.x, 1 - o.y, nx, ny);
+    EXPECT_EQ(facing.surfel, outer);
+    EXPECT_EQ(facing.share, 1) << nx << " " << ny;
+  }
   // Fused, both lie in the middle.
   const auto fused = mapOfTwoRooms(false);
-  const Surfel* middle = fused.at(-0.06 - o.x, 1 - o.y, -1, 0);
+  const Surfel* middle = fused.facing(-0.06 - o.x, 1 - o.y, -1, 0).surfel;
   ASSERT_NE(middle, nullptr);
   EXPECT_NEAR(middle->x + o.x, 0, 0.03);
 }
@@ -125,6 +137,11 @@ TEST(SurfelMap, ARoughSurfaceSeenFromAllAroundIsOneThing) {
   const Surfel* surfel = map.at(-map.origin().x, -map.origin().y);
   ASSERT_NE(surfel, nullptr);
   EXPECT_LT(surfel->back, 0);
+  for (const double angle : {0.0, 1.5, 3.0, 4.5}) {
+    const auto facing = map.facing(-map.origin().x, -map.origin().y, std::cos(angle), std::sin(angle));
+    EXPECT_EQ(facing.surfel, surfel) << angle;
+    EXPECT_EQ(facing.share, 1) << angle;
+  }
 }
 
 TEST(SurfelMatcher, IsNotPulledIntoAThinWallByItsOtherFace) {
@@ -140,6 +157,28 @@ TEST(SurfelMatcher, IsNotPulledIntoAThinWallByItsOtherFace) {
   const auto fused = alignToSurfels(points, mapOfTwoRooms(false), prior.mean, prior, {});
   EXPECT_NEAR(apart.T_map_robot.x, truth.x, 0.006);
   EXPECT_GT(std::abs(fused.T_map_robot.x - truth.x), 0.02) << "nothing to tell: the test is void";
+}
+
+TEST(SurfelMatcher, AWallThatWasSeenFromBehindAlonePullsLittle) {
+  // Of the right room the far wall is known, and of the wall between the rooms the left one's side.
+  core::RandomStream chance(9, "query");
+  const auto left = rectangle(-4, -3, -0.06, 3);
+  const std::vector<Wall> far{{{4, -2}, {4, 2}}}, right{{{0.06, -2}, {0.06, 2}}, far[0]};
+  const core::Pose2 truth{1.8, 0.3, 1.5};
+  const auto points = patchPoints(look(right, truth, {}, chance), {});
+  PosePrior prior;
+  prior.mean = truth;
+  prior.information.diagonal() << 1, 1, 1;
+  std::vector<double> off_m;
+  for (const bool two_sided : {true, false}) {
+    SurfelMap map(0.1, 0.03, two_sided);
+    map.clear({}, 30);
+    for (const auto& pose : aFewPosesAround(-2)) map.add(patchPoints(look(left, pose, {}, chance), {}), pose);
+    for (const auto& pose : aFewPosesAround(2)) map.add(patchPoints(look(far, pose, {}, chance), {}), pose);
+    off_m.push_back(std::abs(alignToSurfels(points, map, truth, prior, {}).T_map_robot.x - truth.x));
+  }
+  EXPECT_LT(off_m[0], 0.006);
+  EXPECT_GT(off_m[1], 0.012) << "nothing pulls: the test is void";
 }
 
 TEST(SurfelMap, KnowsTheFirstOfTheViewsThatSawASurface) {
