@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Runs the commands that a page of the documentation prints.
 
-  tests/docs/run_blocks.py PROGRAM PAGE.md
+  tests/docs/run_blocks.py PROGRAM PAGE.md [SECONDS]
 
 Every block marked ```sh is run by bash in the order of the page, all in one scratch folder, with the folder of PROGRAM
 first on the PATH and the folders that commands name (configs, .github) at hand. Each block must end with exit code 0, and
-each file that it names after -o must be there then. A block that cannot be run says why in the line above it:
+each file that it names after -o must be there then. A block may take SECONDS (200). One that cannot
+be run says why in the line above it:
 
   <!-- not run: opens a window -->
 
@@ -27,7 +28,6 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-LIMIT_S = 200
 
 
 def blocks(text):
@@ -67,8 +67,9 @@ def outputs(commands):
 
 
 def main():
-    if len(sys.argv) != 3:
+    if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
+    limit_s = int(sys.argv[3]) if len(sys.argv) == 4 else 200
     program, page = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
     text, problems, run, tried = page.read_text(encoding="utf-8"), [], 0, []
     with tempfile.TemporaryDirectory() as scratch:
@@ -85,9 +86,9 @@ def main():
             try:
                 done = subprocess.run(["bash", "-euo", "pipefail", "-c", commands], cwd=scratch, env=env,
                                       stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                      timeout=LIMIT_S)
+                                      timeout=limit_s)
             except subprocess.TimeoutExpired:
-                problems.append(f"{place}: not done after {LIMIT_S} s")
+                problems.append(f"{place}: not done after {limit_s} s")
                 break
             if done.returncode != expected:
                 tail = done.stdout.decode(errors="replace").strip().split("\n")[-3:]
