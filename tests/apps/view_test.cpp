@@ -27,6 +27,16 @@ bool hasViewer() {
 #define SKIP_WITHOUT_VIEWER() \
   if (!hasViewer()) GTEST_SKIP() << "rasterslam-view was not built: MRPT's GUI library is missing"
 
+/// Before the program's name: it sees no display but one of its own, drawn to without a graphics card.
+#define IN_A_WINDOW "LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s '-screen 0 1280x800x24' "
+/// The same for programs that have the sanitizers.
+#ifdef RASTERSLAM_KEEP_LOADED
+#define WITH_LIBRARIES_KEPT \
+  "env LD_PRELOAD='" RASTERSLAM_KEEP_LOADED "' ASAN_OPTIONS=\"$ASAN_OPTIONS\":verify_asan_link_order=0 "
+#else
+#define WITH_LIBRARIES_KEPT
+#endif
+
 /// Centre of mass and number of the pixels of nearly that colour left of the panel.
 struct Spot {
   double x = 0, y = 0;
@@ -140,11 +150,10 @@ TEST(ViewCommand, AWindowShowsARunToItsEndAndKeepsItsFiles) {
     GTEST_SKIP() << "xvfb-run or xauth is missing (Debian: apt install xvfb xauth)";
   const testing::TempFolder folder;
   const std::string options = " flat --duration 3 --set lidar.beams=91 --seed 4";
-  const auto shown = testing::runCommand(
-      "cd '" + folder.path() +
-      "' && LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s '-screen 0 1280x800x24' '" RASTERSLAM_PROGRAM
-      "' view simulate --speed 0 --close -o a.rawlog" +
-      options);
+  const auto shown = testing::runCommand("cd '" + folder.path() +
+                                         "' && " IN_A_WINDOW WITH_LIBRARIES_KEPT "'" RASTERSLAM_PROGRAM
+                                         "' view simulate --speed 0 --close -o a.rawlog" +
+                                         options);
   ASSERT_EQ(shown.exit_code, 0) << shown.err;
   EXPECT_THAT(shown.out, HasSubstr("16 scans in 3.0 s"));
   ASSERT_EQ(rasterslam("simulate -o b.rawlog" + options, folder.path()).exit_code, 0);
@@ -186,11 +195,10 @@ TEST(ViewCommand, ADriveByCommandsInAWindowWritesWhatSimulateWrites) {
   const testing::TempFolder folder;
   files::writeFileAtomically(folder / "drive.txt", "move 0.5\nturn 90\nmove 0.5\n");
   const std::string options = " flat --commands drive.txt --carry 1.5:11,3,0 --set lidar.beams=91 --seed 4";
-  const auto shown = testing::runCommand(
-      "cd '" + folder.path() +
-      "' && LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s '-screen 0 1280x800x24' '" RASTERSLAM_PROGRAM
-      "' view drive --speed 0 --close -o a.rawlog" +
-      options);
+  const auto shown = testing::runCommand("cd '" + folder.path() +
+                                         "' && " IN_A_WINDOW WITH_LIBRARIES_KEPT "'" RASTERSLAM_PROGRAM
+                                         "' view drive --speed 0 --close -o a.rawlog" +
+                                         options);
   ASSERT_EQ(shown.exit_code, 0) << shown.err;
   EXPECT_THAT(shown.out, HasSubstr("kidnapped at 1.5 s"));
   ASSERT_EQ(rasterslam("simulate -o b.rawlog" + options, folder.path()).exit_code, 0);
@@ -208,16 +216,16 @@ TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
   // The scene is 950 x 800 pixels and the flat 13.6 x 10.6 m: from above 63.5 pixels are a metre, its middle
   // is in the middle. The robot starts at (4, 3) and is dragged to (11, 3) as soon as the window is there.
   files::writeFileAtomically(
-      folder / "hand.sh",
+      folder / "hand.sh", WITH_LIBRARIES_KEPT
       "'" RASTERSLAM_PROGRAM
       "' view drive flat --start 4,3,0 --set lidar.beams=91 -o a.rawlog > out.txt 2> "
-      "err.txt &\n"
+      "err.txt &\nprogram=$!\n"
       "window=$(timeout 60 xdotool search --sync --onlyvisible --name 'drive flat')\n"
       "xdotool windowmove $window 0 0 windowfocus --sync $window\n"
       "xdotool mousemove 297 546 mousedown 1 mousemove 400 546 mousemove 742 546 mouseup 1\n"
       "xdotool key Return type 'move 0.5'\n"
       "xdotool key Return q\n"
-      "wait\n");
+      "wait $program\n");
   const auto result =
       testing::runCommand("cd '" + folder.path() +
                           "' && LIBGL_ALWAYS_SOFTWARE=1 timeout 120 xvfb-run -a -s '-screen 0 "
