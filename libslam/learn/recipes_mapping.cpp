@@ -203,7 +203,8 @@ Ring drawRing(std::uint64_t seed) {
                short_m = 5 + static_cast<double>(random.below(4));
   robot::OdometryOptions wheels;
   wheels.alpha1 = wheels.alpha2 = 0.002, wheels.alpha3 = 0.002, wheels.alpha4 = 0.001;
-  wheels.heading_bias_radpm = core::degToRad(random.uniform(0.3, 0.8)) * (random.chance(0.5) ? 1 : -1);
+  const double bias_radpm = core::degToRad(random.uniform(0.3, 0.8));
+  wheels.heading_bias_radpm = random.chance(0.5) ? bias_radpm : -bias_radpm;
   Eigen::Matrix3d odometry = Eigen::Vector3d(400, 400, 2500).asDiagonal(),
                   loop = Eigen::Vector3d(2500, 2500, 10000).asDiagonal();
   core::Pose2 truth, estimate;

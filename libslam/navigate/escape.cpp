@@ -31,7 +31,8 @@ choices::Decision escapeFrom(const lidar::Scan& scan, const std::function<double
   char reason[80];
   if (ways.empty()) {
     // Nothing that is seen is free: look elsewhere, at least a quarter turn away.
-    chosen.turn_rad = (random.chance(0.5) ? 1 : -1) * random.uniform(core::kPi / 2, core::kPi);
+    const int sign = random.chance(0.5) ? 1 : -1;
+    chosen.turn_rad = sign * random.uniform(core::kPi / 2, core::kPi);
     std::snprintf(reason, sizeof reason, "stuck: look around by %.0f deg", core::radToDeg(chosen.turn_rad));
   } else {
     const Way& way = ways[random.below(ways.size())];

@@ -107,7 +107,8 @@ class Office {
   void furnishOffice(const Room& room) {
     for (int desks = pick(random_, 1, 3); desks > 0; --desks)
       canvas_.placeAlong(random_, room.rect, pickSide(random_), 28, 14, Shape::kDesk);
-    canvas_.placeAlong(random_, room.rect, pickSide(random_), pick(random_, 20, 40), 8);
+    const int shelf = pick(random_, 20, 40);
+    canvas_.placeAlong(random_, room.rect, pickSide(random_), shelf, 8);
     if (random_.below(2) == 0) canvas_.placeAlong(random_, room.rect, pickSide(random_), 8, 8, Shape::kDisc);
   }
 

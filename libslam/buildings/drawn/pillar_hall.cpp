@@ -44,8 +44,10 @@ void furnish(Canvas& canvas, core::RandomStream& random) {
     canvas.placeInside(random, kHall, lengthwise ? length : depth, lengthwise ? depth : length,
                        Shape::kSolid);
   }
-  for (int shelves = 0; shelves < 6; ++shelves)
-    canvas.placeAlong(random, kHall, pickSide(random), pick(random, 36, 70), 10);
+  for (int shelves = 0; shelves < 6; ++shelves) {
+    const int length = pick(random, 36, 70);
+    canvas.placeAlong(random, kHall, pickSide(random), length, 10);
+  }
   for (int pallets = 0; pallets < 12; ++pallets)
     canvas.placeInside(random, kHall, 24, 16, random.below(3) == 0 ? Shape::kLegs : Shape::kSolid);
   for (int drums = 0; drums < 6; ++drums) canvas.placeInside(random, kHall, 12, 12, Shape::kDisc);

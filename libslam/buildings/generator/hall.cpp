@@ -85,9 +85,10 @@ class Hall {
                                  is_cart ? Shape::kLegs : Shape::kSolid);
     }
     for (int i = (r.width() + r.height()) / site_.cells(1200); i > 0; --i)
-      if (random.chance(site_.options.clutter))
-        site_.canvas.placeAlong(random, r, pickSide(random), site_.cells(20 * pick(random, 8, 18)),
-                                site_.cells(60));
+      if (random.chance(site_.options.clutter)) {
+        const int length = site_.cells(20 * pick(random, 8, 18));
+        site_.canvas.placeAlong(random, r, pickSide(random), length, site_.cells(60));
+      }
   }
 
   /// Double racks with aisles, cross aisles, a free strip before the gates in the south, pillars in the
