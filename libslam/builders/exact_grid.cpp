@@ -1,7 +1,6 @@
 #include "libslam/builders/exact_grid.h"
 
 #include <mrpt/config/CConfigFileBase.h>
-#include <mrpt/core/initializer.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/rtti/CObject.h>
 #include <mrpt/serialization/CArchive.h>
@@ -17,12 +16,10 @@ namespace slam::builders {
 IMPLEMENTS_SERIALIZABLE(ExactGrid, mrpt::maps::COccupancyGridMap2D, slam::builders)
 
 namespace {
-MRPT_INITIALIZER(registerExactGrid) {
-  mrpt::rtti::registerClass(CLASS_ID(slam::builders::ExactGrid));
-}
-}  // namespace
 
-namespace {
+// After what the line above makes, in this order by the language. MRPT_INITIALIZER's function may run before:
+// by clang it then registers a class without a name.
+[[maybe_unused]] const bool kIsRegistered = (registerMaps(), true);
 
 /// Options of the grid for one scan; the destructor puts the user's back.
 class InsertionLimits {
