@@ -220,7 +220,9 @@ TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
       "'" RASTERSLAM_PROGRAM
       "' view drive flat --start 4,3,0 --set lidar.beams=91 -o a.rawlog > out.txt 2> "
       "err.txt &\nprogram=$!\n"
-      "window=$(timeout 60 xdotool search --sync --onlyvisible --name 'drive flat')\n"
+      "until window=$(xdotool search --onlyvisible --name 'drive flat' 2>/dev/null); do kill -0 $program || "
+      "exit 9; "
+      "done\n"
       "xdotool windowmove $window 0 0 windowfocus --sync $window\n"
       "xdotool mousemove 297 546 mousedown 1 mousemove 400 546 mousemove 742 546 mouseup 1\n"
       "xdotool key Return type 'move 0.5'\n"
@@ -228,7 +230,7 @@ TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
       "wait $program\n");
   const auto result =
       testing::runCommand("cd '" + folder.path() +
-                          "' && LIBGL_ALWAYS_SOFTWARE=1 timeout 120 xvfb-run -a -s '-screen 0 "
+                          "' && LIBGL_ALWAYS_SOFTWARE=1 timeout 450 xvfb-run -a -s '-screen 0 "
                           "1280x800x24' sh hand.sh");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto out = files::readTextFile(folder / "out.txt");
