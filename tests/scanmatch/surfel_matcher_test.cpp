@@ -2,10 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <utility>
-#include <vector>
-
 #include "libslam/scanmatch/scan_points.h"
 #include "tests/scanmatch/drawn_rooms.h"
 
@@ -139,8 +135,7 @@ TEST(SurfelMap, ARoughSurfaceSeenFromAllAroundIsOneThing) {
   EXPECT_LT(surfel->back, 0);
   for (const double angle : {0.0, 1.5, 3.0, 4.5}) {
     const auto facing = map.facing(-map.origin().x, -map.origin().y, std::cos(angle), std::sin(angle));
-    EXPECT_EQ(facing.surfel, surfel) << angle;
-    EXPECT_EQ(facing.share, 1) << angle;
+    EXPECT_TRUE(facing.surfel == surfel && facing.share == 1) << angle;
   }
 }
 
