@@ -1,13 +1,14 @@
 #pragma once
-#include <atomic>
 #include <cstddef>
 #include <iterator>
 #include <utility>
 #include <vector>
 
+#include "libslam/core/shared_part.h"
+
 namespace slam::core {
 
-/// A sequence that grows at its end, in pieces of kPiece elements. Growing moves nothing that is there, so
+/// A sequence that grows at its end, in pieces of kPiece elements. Growing moves the last piece at most, so
 /// that no element waits for all the others; and copies share their pieces until one of them changes one, so
 /// that a copy costs a pointer for each piece.
 ///
@@ -18,21 +19,23 @@ class SharedPieces {
   static constexpr std::size_t kPiece = 512;
 
   std::size_t size() const {
-    return pieces_.empty() ? 0 : (pieces_.size() - 1) * kPiece + pieces_.back()->elements.size();
+    return pieces_.empty() ? 0 : (pieces_.size() - 1) * kPiece + (*pieces_.back()).size();
   }
   bool empty() const { return pieces_.empty(); }
-  /// REQUIRES i < size(), as below. The element stays where it is until it is changed, or one of its piece
-  /// is.
-  const T& operator[](std::size_t i) const { return pieces_[i / kPiece]->elements[i % kPiece]; }
+  /// REQUIRES i < size(), as below. The reference holds until an element of its piece is changed, or added.
+  const T& operator[](std::size_t i) const { return (*pieces_[i / kPiece])[i % kPiece]; }
   const T& front() const { return (*this)[0]; }
   const T& back() const { return (*this)[size() - 1]; }
 
   /// To write to. Copies its piece when another sequence has it, too.
-  T& change(std::size_t i) { return own(i / kPiece).elements[i % kPiece]; }
+  T& change(std::size_t i) { return pieces_[i / kPiece].own()[i % kPiece]; }
   void push_back(T element) {
-    // A short sequence takes no more than it needs.
-    if (size() % kPiece == 0) pieces_.push_back(Handle::make(pieces_.empty() ? 0 : kPiece));
-    own(pieces_.size() - 1).elements.push_back(std::move(element));
+    if (size() % kPiece == 0) {
+      pieces_.emplace_back();
+      // A short sequence takes no more than it needs.
+      if (pieces_.size() > 1) pieces_.back().own().reserve(kPiece);
+    }
+    pieces_.back().own().push_back(std::move(element));
   }
 
   class const_iterator {
@@ -68,52 +71,7 @@ class SharedPieces {
   std::reverse_iterator<const_iterator> rend() const { return std::make_reverse_iterator(begin()); }
 
  private:
-  struct Piece {
-    std::atomic<int> owners{1};
-    std::vector<T> elements;
-  };
-  /// A shared pointer that can say whether it is alone. std::shared_ptr::use_count() does not tell that
-  /// whoever had the others has read for the last time.
-  class Handle {
-   public:
-    static Handle make(std::size_t room) {
-      Handle handle;
-      handle.piece_ = new Piece;
-      handle.piece_->elements.reserve(room);
-      return handle;
-    }
-    Handle() = default;
-    Handle(const Handle& other) : piece_(other.piece_) {
-      if (piece_) piece_->owners.fetch_add(1, std::memory_order_relaxed);
-    }
-    Handle(Handle&& other) noexcept : piece_(std::exchange(other.piece_, nullptr)) {}
-    Handle& operator=(Handle other) noexcept {
-      std::swap(piece_, other.piece_);
-      return *this;
-    }
-    ~Handle() {
-      if (piece_ && piece_->owners.fetch_sub(1, std::memory_order_acq_rel) == 1) delete piece_;
-    }
-    bool isAlone() const { return piece_->owners.load(std::memory_order_acquire) == 1; }
-    Piece& operator*() const { return *piece_; }
-    const Piece* operator->() const { return piece_; }
-
-   private:
-    Piece* piece_ = nullptr;
-  };
-
-  Piece& own(std::size_t p) {
-    Handle& handle = pieces_[p];
-    if (!handle.isAlone()) {
-      const auto& elements = handle->elements;
-      Handle copy = Handle::make(p == 0 ? elements.size() : kPiece);
-      (*copy).elements.insert((*copy).elements.end(), elements.begin(), elements.end());
-      handle = std::move(copy);
-    }
-    return *handle;
-  }
-
-  std::vector<Handle> pieces_;
+  std::vector<SharedPart<std::vector<T>>> pieces_;
 };
 
 }  // namespace slam::core

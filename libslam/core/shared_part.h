@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <utility>
 
-namespace slam::gridmap {
+namespace slam::core {
 
 /// A part that copies share until one of them changes it (copy on write), or none. As std::shared_ptr in half
-/// the memory: a Grid's directory is full of them.
+/// the memory: a gridmap::Grid's directory is full of them.
 ///
 /// Threads: different holders of one part may be used by different threads.
 template <class T>
@@ -48,4 +48,4 @@ class SharedPart {
   Held* held_ = nullptr;
 };
 
-}  // namespace slam::gridmap
+}  // namespace slam::core

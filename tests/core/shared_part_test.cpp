@@ -1,10 +1,10 @@
-#include "libslam/gridmap/shared_part.h"
+#include "libslam/core/shared_part.h"
 
 #include <gtest/gtest.h>
 
 #include <utility>
 
-namespace slam::gridmap {
+namespace slam::core {
 namespace {
 
 TEST(SharedPart, IsCopiedWhenOneOfItsHoldersChangesIt) {
@@ -41,4 +41,4 @@ TEST(SharedPart, MovesAndIsAssignedToItself) {
 }
 
 }  // namespace
-}  // namespace slam::gridmap
+}  // namespace slam::core
