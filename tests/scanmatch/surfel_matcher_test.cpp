@@ -161,19 +161,19 @@ TEST(SurfelMatcher, AWallThatWasSeenFromBehindAlonePullsLittle) {
   const std::vector<Wall> far{{{4, -2}, {4, 2}}}, right{{{0.06, -2}, {0.06, 2}}, far[0]};
   const core::Pose2 truth{1.8, 0.3, 1.5};
   const auto points = patchPoints(look(right, truth, {}, chance), {});
-  PosePrior prior;
-  prior.mean = truth;
-  prior.information.diagonal() << 1, 1, 1;
-  std::vector<double> off_m;
-  for (const bool two_sided : {true, false}) {
+  const PosePrior prior{truth, Eigen::Matrix3d::Identity()};
+  std::vector<MatchResult> found;
+  for (const auto& [two_sided, has_left] : {std::pair(true, true), {false, true}, {true, false}}) {
     SurfelMap map(0.1, 0.03, two_sided);
     map.clear({}, 30);
-    for (const auto& pose : aFewPosesAround(-2)) map.add(patchPoints(look(left, pose, {}, chance), {}), pose);
+    for (const auto& pose : aFewPosesAround(-2))
+      if (has_left) map.add(patchPoints(look(left, pose, {}, chance), {}), pose);
     for (const auto& pose : aFewPosesAround(2)) map.add(patchPoints(look(far, pose, {}, chance), {}), pose);
-    off_m.push_back(std::abs(alignToSurfels(points, map, truth, prior, {}).T_map_robot.x - truth.x));
+    found.push_back(alignToSurfels(points, map, truth, prior, {}));
   }
-  EXPECT_LT(off_m[0], 0.006);
-  EXPECT_GT(off_m[1], 0.012) << "nothing pulls: the test is void";
+  EXPECT_NEAR(found[0].T_map_robot.x, truth.x, 0.006);
+  EXPECT_LT(found[0].information(0, 0), 1.3 * found[2].information(0, 0));
+  EXPECT_GT(std::abs(found[1].T_map_robot.x - truth.x), 0.012) << "nothing pulls: the test is void";
 }
 
 TEST(SurfelMap, KnowsTheFirstOfTheViewsThatSawASurface) {
