@@ -25,6 +25,7 @@
 #include "libslam/scanmatch/surfel_matcher.h"
 #include "libslam/wheels/leaps.h"
 #include "libslam/wheels/silence.h"
+#include "libslam/wheels/steady_motion.h"
 #include "libslam/wheels/way_sign.h"
 #include "libslam/wheels/wheel_calibration.h"
 
@@ -179,6 +180,8 @@ class GraphSlam {
   keyframes::Expected expect(const core::Pose2& T_previous_robot, bool has_odometry) const;
   keyframes::Start bestStart(const lidar::Scan& scan, const Points& points,
                              const keyframes::Expected& expected) const;
+  void turnAbout(const keyframes::Expected& expected,
+                 const std::function<void(const core::Pose2&)>& consider) const;
   void slide(const keyframes::Expected& expected, const core::Pose2& motion,
              const std::function<void(const core::Pose2&)>& consider) const;
   double unlikely(const core::Pose2& T_map_robot, const keyframes::Expected& expected) const;
@@ -273,6 +276,7 @@ class GraphSlam {
   wheels::Leaps leaps_;
   wheels::Silence silence_;
   wheels::WaySign way_sign_;
+  wheels::SteadyMotion steady_;
   bool odometry_holds_ = true;    ///< since then
   bool is_known_ground_ = false;  ///< under the scan at hand
   ChangeMarks appeared_, gone_;

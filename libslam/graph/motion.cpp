@@ -15,19 +15,10 @@ using core::Pose2;
 constexpr double kLeastPeriod_s = 1e-3, kMostPeriod_s = 2;
 /// Stamps of real logs leap to and fro: the noise of a step goes by the mean of some twenty.
 constexpr double kPeriodGain = 0.05;
-/// The last motion goes on, to within what a robot may do otherwise per second, where nothing measures it.
+/// The motion before goes on, to within what a robot may do otherwise per second, where nothing measures it.
 constexpr double kUnknown_mps = 2.5, kUnknown_radps = 2.5, kUnknownMost = 1;
 /// Two scans are searched for turns of an indoor robot between them up to this speed.
 constexpr double kFastest_radps = 4;
-
-/// A motion at the same speed and turn rate, for `times` the time.
-Pose2 goneOn(const Pose2& T, double times) {
-  // Along an arc the chord turns by half of the turn.
-  const double half = T.phi / 2;
-  const double length = std::abs(half) > 1e-9 ? core::sin(times * half) / core::sin(half) : times;
-  const double turn = (times - 1) * half, c = core::cos(turn), s = core::sin(turn);
-  return {length * (c * T.x - s * T.y), length * (s * T.x + c * T.y), core::wrapToPi(times * T.phi)};
-}
 
 }  // namespace
 
@@ -50,14 +41,15 @@ bool GraphSlam::noteScan(const lidar::Scan& scan, const Pose2& T_previous_robot,
   const double before_s = is_first ? scanmatch::kNominalPeriod_s : period_s_;
   period_s_ = since_s > 0 ? std::clamp(since_s, kLeastPeriod_s, kMostPeriod_s) : before_s;
   mean_period_s_ = is_first ? period_s_ : mean_period_s_ + kPeriodGain * (period_s_ - mean_period_s_);
-  if (!has_odometry && !is_first && period_s_ != before_s)
-    T_previous_robot_ = goneOn(T_previous_robot_, std::clamp(period_s_ / before_s, 0.2, 5.0));
+  const Pose2 T_next = steady_.next(period_s_);
+  if (!has_odometry && !is_first) T_previous_robot_ = T_next;
   return has_odometry;
 }
 
 /// After a scan was taken in.
 void GraphSlam::keepScan(const lidar::Scan& scan) {
   if (silence_.note(T_previous_robot_)) map_->note(core::JournalEvent::kSilent, 0);
+  steady_.note(T_previous_robot_);
   for (auto& seen : seen_) seen.T_seen_robot = seen.T_seen_robot * T_previous_robot_;
   if (before_ < 0) {
     before_ = static_cast<int>(seen_.size());

@@ -29,6 +29,8 @@ constexpr double kLetGo = 3;
 /// Where no odometry tells how far the robot went, it is looked for on a lattice of this pitch.
 constexpr double kSlide_m = 0.2;
 constexpr double kStartTurns_rad[] = {-0.15, -0.07, 0.07, 0.15};
+/// And how far it turned, up to this, as stamps of real logs tell little of how fast.
+constexpr double kTurnAbout_rad = 1, kTurnAboutStep_rad = 0.07;
 /// The lattice of recover().
 constexpr int kLatticeTurns = 10, kLatticeSteps = 4;
 constexpr double kLatticeTurn_rad = 0.03, kLatticeStep_m = 0.1, kRecoverGain = 0.05;
@@ -125,12 +127,24 @@ keyframes::Start GraphSlam::bestStart(const lidar::Scan& scan, const std::vector
     consider({e.predicted.x, e.predicted.y, e.predicted.phi + turn});
     if (by_wheels_) consider({e.by_wheels.x, e.by_wheels.y, e.by_wheels.phi + turn});
   }
+  if (!e.has_odometry) turnAbout(e, consider);
   const bool from_scans =
       !e.has_odometry || (best.gain > options_.distrust_gain && own + best.gain < kNearEnough);
   const auto motion = from_scans ? motionFromScans(scan) : std::nullopt;
   if (motion) consider(e.T_before * *motion);
-  if (!e.has_odometry) slide(e, motion.value_or(e.step.T_previous_robot), consider);
+  if (!e.has_odometry) slide(e, motion.value_or(core::between(e.T_before, best.T_map_robot)), consider);
   return best;
+}
+
+/// Every turn within reach where nothing tells it, on the spot and where the last motion leads.
+void GraphSlam::turnAbout(const keyframes::Expected& e,
+                          const std::function<void(const Pose2&)>& consider) const {
+  const int steps = static_cast<int>(kTurnAbout_rad / kTurnAboutStep_rad);
+  for (int turn = -steps; turn <= steps; ++turn) {
+    const double phi = e.T_before.phi + kTurnAboutStep_rad * turn;
+    consider({e.T_before.x, e.T_before.y, phi});
+    consider({e.predicted.x, e.predicted.y, phi});
+  }
 }
 
 /// Two scans along a corridor look like one: they do not tell how far the robot went, but the map may. Every

@@ -14,6 +14,10 @@ using scanmatch_test::look;
 using scanmatch_test::rectangle;
 using scanmatch_test::Wall;
 
+inline void add(std::vector<Wall>& walls, const std::vector<Wall>& more) {
+  walls.insert(walls.end(), more.begin(), more.end());
+}
+
 /// A corridor of 2 m around a block of 16 x 10 m, with niches in its outer wall that tell places apart.
 inline std::vector<Wall> ring() {
   auto walls = rectangle(0, 0, 20, 14);
@@ -34,6 +38,15 @@ inline std::vector<Wall> ring() {
   return walls;
 }
 
+/// Two rooms' worth of space, with pillars that tell places apart.
+inline std::vector<Wall> yard() {
+  auto walls = rectangle(0, 0, 14, 11);
+  for (const core::Point2& p :
+       {core::Point2{2, 2}, {11.5, 1.2}, {12.3, 8}, {3.1, 9.2}, {7.4, 10}, {8.2, 0.5}})
+    add(walls, rectangle(p.x, p.y, p.x + 0.4, p.y + 0.3));
+  return walls;
+}
+
 /// Along the middle of the corridor, turning on the spot at its corners.
 inline std::vector<core::Pose2> lapsAround(int laps) {
   const core::Point2 corners[] = {{1, 1}, {19, 1}, {19, 13}, {1, 13}};
@@ -44,6 +57,21 @@ inline std::vector<core::Pose2> lapsAround(int laps) {
     for (double s = 0; s < length; s += 0.1)
       path.push_back({a.x + s / length * (b.x - a.x), a.y + s / length * (b.y - a.y), heading});
     for (double turn = 0.1; turn < core::kPi / 2; turn += 0.1) path.push_back({b.x, b.y, heading + turn});
+  }
+  return path;
+}
+
+inline std::vector<core::Pose2> along(const std::vector<core::Point2>& corners, double step_m) {
+  std::vector<core::Pose2> path;
+  for (size_t i = 0; i + 1 < corners.size(); ++i) {
+    const core::Point2 a = corners[i], b = corners[i + 1];
+    const double heading = std::atan2(b.y - a.y, b.x - a.x), length = core::distance(a, b);
+    if (!path.empty()) {
+      const double from = path.back().phi, turn = core::angleDifference(heading, from);
+      for (double share = 0.125; share < 1; share += 0.125) path.push_back({a.x, a.y, from + share * turn});
+    }
+    for (double s = 0; s < length - 1e-9; s += step_m)
+      path.push_back({a.x + s / length * (b.x - a.x), a.y + s / length * (b.y - a.y), heading});
   }
   return path;
 }
