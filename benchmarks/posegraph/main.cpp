@@ -11,6 +11,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "libslam/core/cpu_time.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/files/files.h"
@@ -18,7 +19,6 @@
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/posegraph/marginals.h"
 #include "libslam/posegraph/optimize.h"
-#include "libslam/process/cpu_time.h"
 #include "libslam/table/table.h"
 #include "libslam/testing/pose_graphs.h"
 #include "libslam/testing/temp_folder.h"
@@ -54,9 +54,9 @@ double sum(const std::vector<double>& values) {
 }
 
 double milliseconds(const std::function<void()>& work) {
-  const double start = process::threadCpuSeconds();
+  const double start = core::threadCpuSeconds();
   work();
-  return 1e3 * (process::threadCpuSeconds() - start);
+  return 1e3 * (core::threadCpuSeconds() - start);
 }
 
 double medianMilliseconds(const std::function<void()>& work) {

@@ -152,6 +152,26 @@ TEST(Includes, EveryRoomKeepsToTheTable) {
   EXPECT_GT(files, 40);  // the walk found the library
 }
 
+std::string missingIncludes(const std::string& file_name, const std::string& text) {
+  static const std::regex kOurs(R"re(#\s*include\s*"((?:libslam|tests|apps|benchmarks|datasets)/[^"]+)")re");
+  std::string missing;
+  for (std::sregex_iterator it(text.begin(), text.end(), kOurs), end; it != end; ++it)
+    if (!fs::exists(fs::path(RASTERSLAM_SOURCE_DIR) / (*it)[1].str()))
+      missing += file_name + " includes " + (*it)[1].str() + ", which is no file\n";
+  return missing;
+}
+
+// Also in what the usual build leaves out: benchmarks, fuzzers, examples.
+TEST(Includes, EveryIncludeOfOursNamesAFile) {
+  const fs::path root = RASTERSLAM_SOURCE_DIR;
+  for (const char* folder : {"apps", "benchmarks", "datasets", "libslam", "tests"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder))
+      if (isSource(entry.path())) {
+        EXPECT_EQ(missingIncludes(fs::relative(entry.path(), root).string(), read(entry.path())), "");
+      }
+  EXPECT_NE(missingIncludes("x.cpp", "#include \"libslam/core/nowhere.h\"\n"), "");
+}
+
 TEST(Includes, TheTableHoldsTheTruthWall) {
   for (const std::string robot_side :
        {"gridmap", "scanmatch", "sparse",     "posegraph", "certified", "obstacles", "safety", "paths",
