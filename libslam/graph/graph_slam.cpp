@@ -107,6 +107,7 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   completeClosing();
   T_keyframe_robot_ = core::between(map_->pose(anchor_), T_map_robot);
   T_previous_robot_ = {};
+  steady_ = {};
   odometry_holds_ = false;
   wheels_.endPiece();
   covariance_.setZero(), from_keyframe_.setZero();
