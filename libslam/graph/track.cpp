@@ -148,7 +148,8 @@ void GraphSlam::turnAbout(const keyframes::Expected& e,
 }
 
 /// Two scans along a corridor look like one: they do not tell how far the robot went, but the map may. Every
-/// place within reach, with the headings that the last motion and the two scans have.
+/// place within reach, with the headings that the last motion and the two scans have, or else the best start
+/// so far.
 void GraphSlam::slide(const keyframes::Expected& e, const Pose2& motion,
                       const std::function<void(const Pose2&)>& consider) const {
   const int steps = static_cast<int>(farthestMove() / kSlide_m);

@@ -16,7 +16,8 @@ using core::Pose2;
 constexpr size_t kMoves = 5;
 /// A step is no more times as long as another, whatever the stamps say.
 constexpr double kMostTimes = 5;
-/// Of the newest step in the mean of what the two readings are off by; a radian counts as a metre.
+/// Of the newest step in the mean of what the two readings are off by, and the most that one counts; a radian
+/// counts as a metre.
 constexpr double kGain = 0.05, kMost = 1;
 
 /// A motion at the same speed and turn rate, for `times` the time.

@@ -15,8 +15,8 @@ namespace slam::wheels {
 /// learnt from the steps themselves.
 class SteadyMotion {
  public:
-  /// The step to come, of so many seconds; REQUIRES a positive, finite number. Standing still before any was
-  /// noted.
+  /// The step to come, of so many seconds, in the robot's frame before it (m, rad); REQUIRES a positive,
+  /// finite number. Standing still before any was noted.
   core::Pose2 next(double since_s);
   /// The step that next() was asked for, as it was matched; m, rad, in the robot's frame before it. One that
   /// is not finite is none.

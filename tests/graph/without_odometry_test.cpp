@@ -60,20 +60,8 @@ std::vector<Wall> legs(std::uint64_t seed) {
   return walls;
 }
 
-// A robot that turns slowly on the spot, and whose stamps leap, as Intel's do: by them its turn was fast a
-// moment ago, and would have gone on so. Two scans of legs alone do not tell the motion between them.
-TEST(WithoutOdometry, StampsThatLeapDoNotCarryARobotAway) {
-  for (const std::uint64_t seed : {1, 2, 3, 4}) {
-    std::vector<core::Pose2> path;
-    for (int i = 0; i < 90; ++i) path.push_back({6, 6, 0.09 * i});
-    auto log = drive(legs(seed), path, {}, 0, seed);
-    double time_s = 1000;
-    for (size_t i = 0; i < log.scans.size(); ++i) log.scans[i].time_s = time_s += i % 3 == 2 ? 0.7 : 0.02;
-    EXPECT_LT(worstWithoutOdometry(log), 0.1) << seed;
-  }
-}
-
-// Now it turns by anything up to 0.8 rad between two scans: each is looked for over all turns within reach.
+// Two scans of legs alone do not tell the motion between them. The robot turns by anything up to 0.8 rad from
+// one to the next: each turn is looked for over all within reach.
 TEST(WithoutOdometry, TurnsThatGoOnLikeNoneBeforeAreFound) {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     core::RandomStream turns(seed, "turns");
