@@ -55,4 +55,11 @@ inline lidar::Scan look(const std::vector<Wall>& walls, const core::Pose2& T_wor
   return scan;
 }
 
+/// All around, 5 cm apart.
+inline std::vector<core::Pose2> aFewPosesAround(double x) {
+  std::vector<core::Pose2> poses;
+  for (int i = 0; i < 12; ++i) poses.push_back({x + 0.05 * i, 0.02 * i, i * core::kPi / 6});
+  return poses;
+}
+
 }  // namespace slam::scanmatch_test
