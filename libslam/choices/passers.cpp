@@ -61,6 +61,13 @@ std::vector<std::size_t> thingAt(const paths::FreeSpace& space, std::size_t cell
   return thing;
 }
 
+void makeFree(paths::FreeSpace& space, std::size_t cell, paths::CellBlock& freed) {
+  space.state[cell] = paths::kFreeCell;
+  const int column = static_cast<int>(cell % static_cast<std::size_t>(space.columns)),
+            row = static_cast<int>(cell / static_cast<std::size_t>(space.columns));
+  freed = paths::joined(freed, {column, row, column + 1, row + 1});
+}
+
 }  // namespace
 
 Passers::Passers() {
@@ -153,17 +160,19 @@ void Passers::mark(const Point2& p, double cell_m, std::unordered_set<Place>& pl
     for (const double dx : {-cell_m, 0.0, cell_m}) places.insert(placeOf({p.x + dx, p.y + dy}, cell_m));
 }
 
-void Passers::takeOutOf(paths::FreeSpace& space) const {
-  if (!areAbout()) return;
+paths::CellBlock Passers::takeOutOf(paths::FreeSpace& space) const {
+  paths::CellBlock freed;
+  if (!areAbout()) return freed;
   for (std::size_t cell = 0; cell < space.state.size(); ++cell) {
     if (space.state[cell] != paths::kOccupiedCell) continue;
     const Place place = placeOf(space.centreOf(cell), space.resolution_m);
-    if (passed_.count(place) != 0 && seen_now_.count(place) == 0) space.state[cell] = paths::kFreeCell;
+    if (passed_.count(place) != 0 && seen_now_.count(place) == 0) makeFree(space, cell, freed);
   }
-  if (are_small_things_suspected_) takeOutSmallThings(space);
+  return are_small_things_suspected_ ? paths::joined(freed, takeOutSmallThings(space)) : freed;
 }
 
-void Passers::takeOutSmallThings(paths::FreeSpace& space) const {
+paths::CellBlock Passers::takeOutSmallThings(paths::FreeSpace& space) const {
+  paths::CellBlock freed;
   std::vector<char> is_known(space.state.size(), 0);
   for (std::size_t cell = 0; cell < space.state.size(); ++cell) {
     if (is_known[cell] || space.state[cell] != paths::kOccupiedCell) continue;
@@ -175,8 +184,9 @@ void Passers::takeOutSmallThings(paths::FreeSpace& space) const {
       return seen_now_.count(placeOf(p, space.resolution_m)) != 0;
     });
     if (is_seen || sideOf(places) > kPerson_m) continue;
-    for (const std::size_t part : thing) space.state[part] = paths::kFreeCell;
+    for (const std::size_t part : thing) makeFree(space, part, freed);
   }
+  return freed;
 }
 
 }  // namespace slam::choices

@@ -34,8 +34,8 @@ class Passers {
   /// From now on small things that are not seen now are taken for people.
   void suspectSmallThings() { are_small_things_suspected_ = true; }
   bool areSmallThingsSuspected() const { return are_small_things_suspected_; }
-  /// Makes free what they have left behind.
-  void takeOutOf(paths::FreeSpace& space) const;
+  /// Makes free what they have left behind. Answers with a block that holds it all.
+  paths::CellBlock takeOutOf(paths::FreeSpace& space) const;
 
  private:
   using Place = std::int64_t;
@@ -50,7 +50,7 @@ class Passers {
   const Look* before(double time_s);
   core::Pose2 slip(const Look& since, const core::Pose2& T_map_robot) const;
   static bool isLookedThrough(const Look& look, const core::Pose2& slip, const core::Point2& p_map);
-  void takeOutSmallThings(paths::FreeSpace& space) const;
+  paths::CellBlock takeOutSmallThings(paths::FreeSpace& space) const;
 
   obstacles::SectorOptions all_round_;
   core::Pose2 T_start_told_;  ///< where the robot would be if it had done what it was told

@@ -59,6 +59,11 @@ std::vector<std::size_t> markUnknownBeside(FreeSpace& space, const std::vector<s
 }  // namespace
 
 void closeWalls(FreeSpace& space, double gap_m) {
+  closeWalls(space, frontierCells(space), gap_m);
+}
+
+std::vector<std::size_t> closeWalls(FreeSpace& space, const std::vector<std::size_t>& frontier_cells,
+                                    double gap_m) {
   const double most = gap_m / space.resolution_m + 1e-9;
   const auto width = static_cast<std::size_t>(space.columns);
   const auto isBetweenWalls = [&](std::size_t cell) {
@@ -68,13 +73,18 @@ void closeWalls(FreeSpace& space, double gap_m) {
       return ahead <= most && ahead + toWall(space, column, row, axis, -1, most) <= most;
     });
   };
-  const auto unknown = markUnknownBeside(space, frontierCells(space));
+  const auto unknown = markUnknownBeside(space, frontier_cells);
   std::vector<std::uint8_t> becomes;
   becomes.reserve(unknown.size());
   for (const std::size_t cell : unknown)
     becomes.push_back(isBetweenWalls(cell) ? kOccupiedCell : kUnknownCell);
+  std::vector<std::size_t> closed;
   // Only then, so that no cell is closed because of another one that was.
-  for (std::size_t i = 0; i < unknown.size(); ++i) space.state[unknown[i]] = becomes[i];
+  for (std::size_t i = 0; i < unknown.size(); ++i) {
+    space.state[unknown[i]] = becomes[i];
+    if (becomes[i] == kOccupiedCell) closed.push_back(unknown[i]);
+  }
+  return closed;
 }
 
 }  // namespace slam::paths

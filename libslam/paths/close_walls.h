@@ -1,4 +1,7 @@
 #pragma once
+#include <cstddef>
+#include <vector>
+
 #include "libslam/paths/free_space.h"
 
 namespace slam::paths {
@@ -9,5 +12,8 @@ namespace slam::paths {
 /// shortest frontier that counts is no loss. gap_m of less than two cells closes nothing. Cost: that of
 /// frontierCells(), and up to 16 rays of gap_m per unknown cell beside one.
 void closeWalls(FreeSpace& space, double gap_m);
+/// The same where the frontier cells are known, all of them. Answers with the cells that became occupied.
+std::vector<std::size_t> closeWalls(FreeSpace& space, const std::vector<std::size_t>& frontier_cells,
+                                    double gap_m);
 
 }  // namespace slam::paths

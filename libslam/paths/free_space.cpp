@@ -30,32 +30,58 @@ std::vector<std::int16_t> columnDistance(const FreeSpace& space, std::uint8_t ob
   return distance;
 }
 
+/// Of two rows, as a block of one.
+CellBlock differences(const std::uint8_t* a, const std::uint8_t* b, int columns) {
+  if (columns == 0 || std::memcmp(a, b, static_cast<std::size_t>(columns)) == 0) return {};
+  const auto first = static_cast<int>(std::mismatch(a, a + columns, b).first - a);
+  int last = columns;
+  while (a[last - 1] == b[last - 1]) --last;
+  return {first, 0, last, 1};
+}
+
 }  // namespace
 
 FreeSpace readFreeSpace(const gridmap::OccupancyRaster& map) {
+  FreeSpace space;
+  updateFreeSpace(map, space);
+  return space;
+}
+
+CellBlock updateFreeSpace(const gridmap::OccupancyRaster& map, FreeSpace& space) {
   if (map.columns < 0 || map.rows < 0 || !(map.resolution_m > 0) ||
       map.occupancy.size() != static_cast<std::size_t>(map.columns) * static_cast<std::size_t>(map.rows))
     throw core::ContractError("readFreeSpace: the map's sizes, resolution and cells do not fit together");
-  FreeSpace space;
-  space.columns = map.columns + 2;
-  space.rows = map.rows + 2;
+  const bool is_new = space.columns != map.columns + 2 || space.rows != map.rows + 2;
+  if (is_new) {
+    space.columns = map.columns + 2;
+    space.rows = map.rows + 2;
+    space.state.assign(static_cast<std::size_t>(space.columns) * space.rows, kUnknownCell);
+  }
   space.resolution_m = map.resolution_m;
   space.x_min_m = map.x_min_m - map.resolution_m;
   space.y_min_m = map.y_min_m - map.resolution_m;
-  space.state.assign(static_cast<std::size_t>(space.columns) * space.rows, kUnknownCell);
+  space.known = 0;
+  CellBlock changed;
+  // Without a branch, so that it vectorises; a row that stays the same is not written, which is most of them.
+  std::vector<std::uint8_t> newest(static_cast<std::size_t>(map.columns));
   for (int row = 0; row < map.rows; ++row) {
     const float* from = map.occupancy.data() + static_cast<std::size_t>(row) * map.columns;
-    std::uint8_t* to = space.state.data() + space.index(1, row + 1);
+    std::uint8_t* const states = newest.data();
     unsigned unknown = 0;
     for (int i = 0; i < map.columns; ++i) {
       const auto is_free = static_cast<std::uint8_t>(from[i] < gridmap::kFreeBelow);
       const auto is_occupied = static_cast<std::uint8_t>(from[i] > gridmap::kOccupiedAbove);
-      to[i] = static_cast<std::uint8_t>(2 * (1 - is_free) - is_occupied);
-      unknown += to[i] >> 1;
+      states[i] = static_cast<std::uint8_t>(2 * (1 - is_free) - is_occupied);
+      unknown += states[i] >> 1;
     }
     space.known += static_cast<std::size_t>(map.columns) - unknown;
+    std::uint8_t* const to = space.state.data() + space.index(1, row + 1);
+    const CellBlock in_row = differences(to, states, map.columns);
+    if (in_row.isEmpty()) continue;
+    std::copy_n(states, map.columns, to);
+    changed = joined(changed, {in_row.first_column + 1, row + 1, in_row.last_column + 1, row + 2});
   }
-  return space;
+  return is_new ? CellBlock{0, 0, space.columns, space.rows} : changed;
 }
 
 std::vector<std::int16_t> squaredClearance(const FreeSpace& space, std::uint8_t obstacles, int reach_cells) {
@@ -87,20 +113,20 @@ std::vector<std::int16_t> squaredClearance(const FreeSpace& space, std::uint8_t 
 CellBlock changedCells(const FreeSpace& a, const FreeSpace& b) {
   if (a.columns != b.columns || a.rows != b.rows)
     throw core::ContractError("changedCells: expected two maps of equal size");
-  const auto width = static_cast<std::size_t>(a.columns);
-  CellBlock block{a.columns, a.rows, 0, 0};
+  CellBlock block;
   for (int row = 0; row < a.rows; ++row) {
-    const std::uint8_t *p = a.state.data() + a.index(0, row), *q = b.state.data() + a.index(0, row);
-    if (std::memcmp(p, q, width) == 0) continue;
-    block.first_row = std::min(block.first_row, row);
-    block.last_row = row + 1;
-    const auto first = std::mismatch(p, p + width, q).first - p;
-    int last = a.columns;
-    while (p[last - 1] == q[last - 1]) --last;
-    block.first_column = std::min(block.first_column, static_cast<int>(first));
-    block.last_column = std::max(block.last_column, last);
+    const CellBlock in_row =
+        differences(a.state.data() + a.index(0, row), b.state.data() + b.index(0, row), a.columns);
+    if (!in_row.isEmpty()) block = joined(block, {in_row.first_column, row, in_row.last_column, row + 1});
   }
-  return block.last_row == 0 ? CellBlock{} : block;
+  return block;
+}
+
+CellBlock joined(const CellBlock& a, const CellBlock& b) {
+  if (a.isEmpty()) return b;
+  if (b.isEmpty()) return a;
+  return {std::min(a.first_column, b.first_column), std::min(a.first_row, b.first_row),
+          std::max(a.last_column, b.last_column), std::max(a.last_row, b.last_row)};
 }
 
 CellBlock grown(const CellBlock& block, int cells, const FreeSpace& space) {

@@ -56,6 +56,11 @@ struct CellBlock {
 };
 /// The least block that holds all cells whose states differ. REQUIRES two maps of equal size (ContractError).
 CellBlock changedCells(const FreeSpace& a, const FreeSpace& b);
+/// readFreeSpace() into a map that holds an earlier one, or nothing. Answers with the least block that holds all
+/// cells whose states changed by that: of other sizes than before, the whole map.
+CellBlock updateFreeSpace(const gridmap::OccupancyRaster& map, FreeSpace& space);
+/// The least block that holds both.
+CellBlock joined(const CellBlock& a, const CellBlock& b);
 /// By so many cells to each side, as far as the map goes.
 CellBlock grown(const CellBlock& block, int cells, const FreeSpace& space);
 /// The states of the block as a map of its own, without a border; `known` is not counted.

@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace slam::paths {
-std::vector<std::size_t> frontierCells(const FreeSpace& space) {
-  std::vector<std::size_t> cells;
+namespace {
+
+/// Those in some rows, added.
+void addFrontierCells(const FreeSpace& space, int first_row, int last_row, std::vector<std::size_t>& cells) {
   const int width = space.columns;
   // Whole words, with room for the last one.
   using Word = std::uint64_t;
   std::vector<std::uint8_t> hit(static_cast<std::size_t>(width) + sizeof(Word), 0);
   std::uint8_t* const hits = hit.data();
-  for (int row = 1; row + 1 < space.rows; ++row) {
+  for (int row = std::max(first_row, 1); row < std::min(last_row, space.rows - 1); ++row) {
     const std::uint8_t* const here = space.state.data() + space.index(0, row);
     unsigned any = 0;
     // Without a branch, so that it vectorises: most rows of a map hold few frontier cells or none.
@@ -30,7 +33,39 @@ std::vector<std::size_t> frontierCells(const FreeSpace& space) {
         if (hits[i]) cells.push_back(space.index(i, row));
     }
   }
+}
+
+auto lowerBound(const std::vector<std::size_t>& cells, std::size_t cell) {
+  return std::lower_bound(cells.begin(), cells.end(), cell);
+}
+
+}  // namespace
+
+std::vector<std::size_t> frontierCells(const FreeSpace& space) {
+  std::vector<std::size_t> cells;
+  addFrontierCells(space, 0, space.rows, cells);
   return cells;
+}
+
+void FrontierCells::update(const FreeSpace& space, const CellBlock& changed) {
+  const bool is_new = columns_ != space.columns || rows_ != space.rows;
+  columns_ = space.columns, rows_ = space.rows;
+  if (!is_new && changed.isEmpty()) return;
+  const CellBlock near = is_new ? CellBlock{0, 0, columns_, rows_} : grown(changed, 1, space);
+  const auto first = is_new ? cells_.begin() : lowerBound(cells_, space.index(0, near.first_row));
+  const auto last = is_new ? cells_.end() : lowerBound(cells_, space.index(0, near.last_row));
+  std::vector<std::size_t> cells(cells_.begin(), first);
+  addFrontierCells(space, near.first_row, near.last_row, cells);
+  cells.insert(cells.end(), last, cells_.end());
+  cells_ = std::move(cells);
+}
+
+std::vector<std::size_t> frontierCellsAmong(const FreeSpace& space, const std::vector<std::size_t>& cells) {
+  std::vector<std::size_t> left;
+  left.reserve(cells.size());
+  for (const std::size_t cell : cells)
+    if (isFrontierCell(space, cell)) left.push_back(cell);
+  return left;
 }
 
 bool isFrontierCell(const FreeSpace& space, std::size_t cell) {
@@ -40,7 +75,11 @@ bool isFrontierCell(const FreeSpace& space, std::size_t cell) {
 }
 
 std::vector<Frontier> findFrontiers(const FreeSpace& space, std::size_t min_cells) {
-  const auto cells = frontierCells(space);
+  return findFrontiers(space, frontierCells(space), min_cells);
+}
+
+std::vector<Frontier> findFrontiers(const FreeSpace& space, const std::vector<std::size_t>& cells,
+                                    std::size_t min_cells) {
   const auto width = static_cast<std::size_t>(space.columns);
   // Each cell points at an earlier one beside it, the first of its frontier at itself. A raster of marks
   // would cost more than all the rest.

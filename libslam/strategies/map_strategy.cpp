@@ -10,7 +10,6 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/rigid_motion2.h"
-#include "libslam/paths/close_walls.h"
 
 namespace slam::strategies {
 namespace {
@@ -43,8 +42,10 @@ bool isNearer(const choices::Viewpoint& a, const choices::Viewpoint& b) {
 }  // namespace
 
 void MapStrategy::seeMap(const gridmap::OccupancyRaster& map) {
-  space_ = paths::readFreeSpace(map);
-  passers_.takeOutOf(*space_);
+  paths::FreeSpace first;
+  const auto read = paths::updateFreeSpace(map, space_ ? *space_ : first);
+  if (!space_) space_ = std::move(first);
+  looking_.update(*space_, paths::joined(read, passers_.takeOutOf(*space_)));
 }
 
 bool MapStrategy::isSpent(const core::Point2& p_map) const {
@@ -74,12 +75,10 @@ void MapStrategy::seeScan(const lidar::Scan& scan, const core::Pose2& T_map_robo
 }
 
 /// The map with an obstacle in every frontier cell at which the lidar has measured a return.
-paths::FreeSpace MapStrategy::withoutFalseFrontiers() const {
-  paths::FreeSpace looking = *space_;
-  for (const std::size_t cell : paths::frontierCells(*space_))
-    if (returns_.count(placeOf(space_->centreOf(cell))) != 0) looking.state[cell] = paths::kOccupiedCell;
-  if (const double gap_m = closedGap_m(); gap_m > 0) paths::closeWalls(looking, gap_m);
-  return looking;
+MapStrategy::Looking MapStrategy::withoutFalseFrontiers() {
+  const auto isReturn = [&](std::size_t cell) { return returns_.count(placeOf(space_->centreOf(cell))) != 0; };
+  looking_.close(*space_, isReturn, closedGap_m());
+  return {looking_.space(), looking_.frontierCells()};
 }
 
 void MapStrategy::annotate(gridmap::OccupancyRaster& map) const {
@@ -114,12 +113,12 @@ bool MapStrategy::isGivenUp(std::size_t cell) const {
 
 /// Of every frontier the cells that are in reach and not given up; counts the frontiers of which less than
 /// min_cells are.
-std::vector<paths::Frontier> MapStrategy::openFrontiers(const paths::FreeSpace& looking,
+std::vector<paths::Frontier> MapStrategy::openFrontiers(const Looking& looking,
                                                         const paths::PathPlanner& planner,
                                                         std::size_t min_cells) {
   out_of_reach_ = abandoned_ = 0;
   std::vector<paths::Frontier> open;
-  for (auto& frontier : paths::findFrontiers(looking, min_cells)) {
+  for (auto& frontier : paths::findFrontiers(looking.space, looking.frontier_cells, min_cells)) {
     paths::Frontier kept;
     std::size_t reached = 0;
     for (const std::size_t cell : frontier.cells) {
@@ -252,7 +251,7 @@ paths::FreeSpace MapStrategy::bareSpace(const core::Pose2& T_map_robot) const {
 
 /// Nothing when there is nowhere to go by this plan.
 std::optional<choices::Decision> MapStrategy::goOn(const paths::PathPlanner& planner,
-                                                   const paths::FreeSpace& looking, const lidar::Scan& scan,
+                                                   const Looking& looking, const lidar::Scan& scan,
                                                    const core::Pose2& T_map_robot) {
   const auto min_cells = static_cast<std::size_t>(
       std::max(1.0, std::ceil(options_.frontier_min_m / space_->resolution_m - 1e-9)));
@@ -272,7 +271,8 @@ std::optional<choices::Decision> MapStrategy::goOn(const paths::PathPlanner& pla
     const auto begin = viewpoints.begin() + static_cast<std::ptrdiff_t>(first);
     const auto count = std::min(most, viewpoints.size() - first);
     const auto some = withWays(planner, {begin, begin + static_cast<std::ptrdiff_t>(count)});
-    if (const auto choice = choose({looking, planner, frontiers, some, paths::lidarView(scan), T_map_robot}))
+    if (const auto choice = choose({looking.space, planner, looking.frontier_cells, frontiers, some,
+                                    paths::lidarView(scan), T_map_robot}))
       return decisionFor(planner, frontiers, some, *choice);
   }
   abandoned_ += frontiers.size();
@@ -322,12 +322,13 @@ choices::Decision MapStrategy::decide(const lidar::Scan& scan, const core::Pose2
 }
 
 choices::Decision MapStrategy::decideNext(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
-  const paths::FreeSpace looking = withoutFalseFrontiers();
   is_making_way_ = false;
-  if (team_.empty()) return despitePeople(looking, scan, T_map_robot);
-  paths::FreeSpace left = looking;
+  if (team_.empty()) return despitePeople(scan, T_map_robot);
+  const Looking looking = withoutFalseFrontiers();
+  paths::FreeSpace left = looking.space;
   choices::closeTaken(left, team_, options_.unknown_path_m);
-  const choices::Decision mine = decideOn(left, scan, T_map_robot);
+  const auto cells = paths::frontierCellsAmong(left, looking.frontier_cells);
+  const choices::Decision mine = decideOn({left, cells}, scan, T_map_robot);
   if (!mine.finished) return mine;
   choices::Decision late = decideOn(looking, scan, T_map_robot);
   if (!choices::isAnyOnItsWay(team_)) return late;
@@ -335,8 +336,7 @@ choices::Decision MapStrategy::decideNext(const lidar::Scan& scan, const core::P
   return late.path.empty() ? late : choices::comingAfter(std::move(late), T_map_robot);
 }
 
-/// By what is to be looked at.
-choices::Decision MapStrategy::decideOn(const paths::FreeSpace& looking, const lidar::Scan& scan,
+choices::Decision MapStrategy::decideOn(const Looking& looking, const lidar::Scan& scan,
                                         const core::Pose2& T_map_robot) {
   target_.clear();
   bool has_start = false;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libslam/choices/certainty.h"
+#include "libslam/choices/looking_map.h"
 #include "libslam/choices/passers.h"
 #include "libslam/choices/viewpoint.h"
 #include "libslam/paths/expected_gain.h"
@@ -20,6 +21,7 @@ namespace slam::strategies {
 struct Scene {
   const paths::FreeSpace& space;  ///< with an obstacle where a border of the unknown turned out to be one
   const paths::PathPlanner& planner;
+  const std::vector<std::size_t>& frontier_cells;  ///< of `space`, ascending
   const std::vector<paths::Frontier>& frontiers;      ///< those in reach that have not been given up
   const std::vector<choices::Viewpoint>& viewpoints;  ///< by cost, never empty
   paths::LidarView view;
@@ -101,18 +103,22 @@ class MapStrategy : public Strategy {
   Place placeOf(const core::Point2& p_map) const;
   choices::Decision decideNext(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   std::optional<choices::Decision> goBack(const choices::Decision& next, const core::Pose2& T_map_robot);
-  choices::Decision decideOn(const paths::FreeSpace& looking, const lidar::Scan& scan,
-                             const core::Pose2& T_map_robot);
+  /// By what is to be looked at.
+  struct Looking {
+    const paths::FreeSpace& space;
+    const std::vector<std::size_t>& frontier_cells;  ///< of `space`, ascending
+  };
+  choices::Decision decideOn(const Looking& looking, const lidar::Scan& scan, const core::Pose2& T_map_robot);
   void keepMine(std::vector<choices::Viewpoint>& viewpoints);
-  paths::FreeSpace withoutFalseFrontiers() const;
+  Looking withoutFalseFrontiers();
   void judgeLook();
   paths::PlannerOptions planning(bool bare) const;
   paths::PathPlanner plan(const core::Point2& p_map_robot);
   paths::FreeSpace bareSpace(const core::Pose2& T_map_robot) const;
-  std::optional<choices::Decision> goOn(const paths::PathPlanner& planner, const paths::FreeSpace& looking,
+  std::optional<choices::Decision> goOn(const paths::PathPlanner& planner, const Looking& looking,
                                         const lidar::Scan& scan, const core::Pose2& T_map_robot);
-  std::vector<paths::Frontier> openFrontiers(const paths::FreeSpace& looking,
-                                             const paths::PathPlanner& planner, std::size_t min_cells);
+  std::vector<paths::Frontier> openFrontiers(const Looking& looking, const paths::PathPlanner& planner,
+                                             std::size_t min_cells);
   bool seesStraight(const core::Point2& a, const core::Point2& b) const;
   std::vector<choices::Viewpoint> viewpointsFor(const paths::PathPlanner& planner,
                                                 const std::vector<paths::Frontier>& frontiers) const;
@@ -123,14 +129,14 @@ class MapStrategy : public Strategy {
                                 const std::vector<choices::Viewpoint>& viewpoints, const Choice& choice);
   bool isSpent(const core::Point2& p_map) const;
   choices::Decision finishedDecision() const;
-  choices::Decision despitePeople(const paths::FreeSpace& looking, const lidar::Scan& scan,
-                                  const core::Pose2& T_map_robot);
+  choices::Decision despitePeople(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   std::optional<choices::Decision> wait(const core::Pose2& T_map_robot);
   std::optional<choices::Decision> makeWay(const core::Pose2& T_map_robot) const;
 
   StrategyOptions options_;
   robot::RobotOptions robot_;
   std::optional<paths::FreeSpace> space_;
+  choices::LookingMap looking_;
   paths::PlanningGround ground_;      ///< to drive by with the margin
   std::vector<core::Point2> target_;  ///< the frontier cells that the present goal is for
   std::vector<core::Point2> spent_;   ///< viewpoints that have been looked from

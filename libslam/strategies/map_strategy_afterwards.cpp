@@ -60,16 +60,15 @@ bool MapStrategy::isStillGood(const choices::Decision& decision, const core::Pos
 
 /// Somebody may stand, or have stood, where the way goes on: before the robot ends it looks there again, and
 /// waits for a while; it waits, too, where it was held up.
-choices::Decision MapStrategy::despitePeople(const paths::FreeSpace& looking, const lidar::Scan& scan,
-                                             const core::Pose2& T_map_robot) {
+choices::Decision MapStrategy::despitePeople(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   const bool are_about = passers_.areAbout(), was_held_up = std::exchange(is_held_up_, false);
   if (are_about && was_held_up)
     if (auto waiting = wait(T_map_robot)) return *std::move(waiting);
-  choices::Decision decision = decideOn(looking, scan, T_map_robot);
+  choices::Decision decision = decideOn(withoutFalseFrontiers(), scan, T_map_robot);
   if (!are_about || !decision.finished || out_of_reach_ == 0) return decision;
   if (!passers_.areSmallThingsSuspected()) {
     passers_.suspectSmallThings();
-    passers_.takeOutOf(*space_);
+    looking_.update(*space_, passers_.takeOutOf(*space_));
     decision = decideOn(withoutFalseFrontiers(), scan, T_map_robot);
     if (!decision.finished) return decision;
   }

@@ -86,11 +86,11 @@ std::optional<MapStrategy::Choice> NextBestView::choose(const Scene& scene) {
     view.cells = paths::expectedCells(scene.space, view.viewpoint->p_map, scene.view, view.look_rad,
                                       options().unknown_path_m, kDirections);
 
-  std::vector<char> shown(scene.space.state.size(), 0);
+  if (shown_.size() != scene.space.state.size()) shown_.assign(scene.space.state.size(), 0);
   const View* best = nullptr;
   double most = 0, most_then = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const double then = worthAfter(views, i, options(), shown);
+    const double then = worthAfter(views, i, options(), shown_);
     if (best && views[i].worth + then <= most) continue;
     best = &views[i];
     most = views[i].worth + then;

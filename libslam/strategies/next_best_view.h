@@ -1,4 +1,6 @@
 #pragma once
+#include <vector>
+
 #include "libslam/strategies/map_strategy.h"
 
 namespace slam::strategies {
@@ -15,6 +17,8 @@ class NextBestView : public MapStrategy {
 
  private:
   std::optional<Choice> choose(const Scene& scene) override;
+
+  std::vector<char> shown_;  ///< by cell; none between two decisions
 };
 
 }  // namespace slam::strategies

@@ -73,7 +73,7 @@ bool Tour::isStillGood(const choices::Decision& decision, const core::Pose2& T_m
 }
 
 choices::Openings Tour::openingsOf(const Scene& scene) const {
-  const auto frontiers = paths::findFrontiers(scene.space, 1);
+  const auto frontiers = paths::findFrontiers(scene.space, scene.frontier_cells, 1);
   const double door_m = 2 * robot::circumscribedRadius(robot()) + kDoor_m;
   choices::Openings openings(scene.space, frontiers, door_m, options().unknown_path_m);
   for (const auto& frontier : frontiers)

@@ -7,6 +7,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "tests/paths/drawn_map.h"
+#include "tests/paths/kept_map.h"
 
 namespace slam::paths {
 namespace {
@@ -53,6 +54,48 @@ TEST(FreeSpace, RefusesAMapWhoseSizesDoNotFit) {
   map = drawnMap({".."});
   map.resolution_m = 0;
   EXPECT_THROW(readFreeSpace(map), core::ContractError);
+}
+
+TEST(FreeSpace, OfAMapThatChangesIsTheSameAsAFreshOneAndSaysWhatChanged) {
+  core::RandomStream random(3, "free space");
+  auto map = unknownRaster(40, 30);
+  FreeSpace kept;
+  const auto whole = updateFreeSpace(map, kept);
+  EXPECT_EQ(whole.cells(), kept.state.size());
+  strew(map, {0, 0}, {40, 30}, 800, random);
+  updateFreeSpace(map, kept);
+  for (const auto& [first, last] : {std::pair(std::pair(5, 7), std::pair(20, 9)),
+                                    std::pair(std::pair(0, 0), std::pair(1, 1)),
+                                    std::pair(std::pair(39, 29), std::pair(40, 30))}) {
+    map.occupancy[static_cast<std::size_t>(first.second * 40 + first.first)] = 0.1F;
+    const FreeSpace before = kept;
+    strew(map, first, last, 30, random);
+    map.x_min_m += 0.05;
+    const auto changed = updateFreeSpace(map, kept);
+    const FreeSpace fresh = readFreeSpace(map);
+    EXPECT_EQ(kept.state, fresh.state);
+    EXPECT_EQ(kept.known, fresh.known);
+    EXPECT_EQ(kept.x_min_m, fresh.x_min_m);
+    const auto expected = changedCells(before, fresh);
+    EXPECT_EQ(changed.first_column, expected.first_column);
+    EXPECT_EQ(changed.first_row, expected.first_row);
+    EXPECT_EQ(changed.last_column, expected.last_column);
+    EXPECT_EQ(changed.last_row, expected.last_row);
+  }
+  EXPECT_TRUE(updateFreeSpace(map, kept).isEmpty());
+  const auto larger = unknownRaster(41, 30);
+  EXPECT_EQ(updateFreeSpace(larger, kept).cells(), readFreeSpace(larger).state.size());
+  EXPECT_EQ(kept.state, readFreeSpace(larger).state);
+}
+
+TEST(CellBlocks, JoinedAreTheLeastBlockAroundBoth) {
+  const auto both = joined({3, 4, 5, 9}, {1, 6, 4, 7});
+  EXPECT_EQ(both.first_column, 1);
+  EXPECT_EQ(both.first_row, 4);
+  EXPECT_EQ(both.last_column, 5);
+  EXPECT_EQ(both.last_row, 9);
+  EXPECT_EQ(joined({}, {3, 4, 5, 9}).first_column, 3);
+  EXPECT_EQ(joined({3, 4, 5, 9}, {7, 7, 7, 8}).last_row, 9);
 }
 
 TEST(SquaredClearance, EqualsTheSearchOverAllCells) {

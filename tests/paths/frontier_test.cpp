@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/paths/drawn_map.h"
+#include "tests/paths/kept_map.h"
 
 namespace slam::paths {
 namespace {
@@ -58,6 +59,28 @@ TEST(Frontiers, GoOnAtTheRastersEdgeAndNotThroughWalls) {
   EXPECT_EQ(drawn(drawnMap({"####", "#..#", "####", "????"}), 1), "####\n#..#\n####\n????\n");
   EXPECT_TRUE(findFrontiers(readFreeSpace(drawnMap({"???"})), 1).empty());
   EXPECT_TRUE(findFrontiers(readFreeSpace(gridmap::OccupancyRaster()), 1).empty());
+}
+
+TEST(FrontierCells, KeptAreThoseOfTheWholeMapWhateverChanges) {
+  core::RandomStream random(4, "frontier cells");
+  auto map = unknownRaster(60, 50);
+  FreeSpace space;
+  FrontierCells kept;
+  strew(map, {0, 0}, {60, 50}, 1500, random);
+  // All of it, the middle, the lowest and the highest rows, one cell, nothing, a larger map.
+  for (const auto& [first, last] :
+       {std::pair(std::pair(0, 0), std::pair(60, 50)), std::pair(std::pair(20, 20), std::pair(30, 31)),
+        std::pair(std::pair(0, 0), std::pair(60, 1)), std::pair(std::pair(3, 49), std::pair(60, 50)),
+        std::pair(std::pair(7, 8), std::pair(8, 9)), std::pair(std::pair(7, 8), std::pair(7, 8))}) {
+    strew(map, first, last, 40, random);
+    kept.update(space, updateFreeSpace(map, space));
+    EXPECT_EQ(kept.cells(), frontierCells(space));
+    EXPECT_FALSE(kept.cells().empty());
+  }
+  auto larger = unknownRaster(60, 70);
+  strew(larger, {0, 0}, {60, 70}, 1500, random);
+  kept.update(space, updateFreeSpace(larger, space));
+  EXPECT_EQ(kept.cells(), frontierCells(space));
 }
 
 }  // namespace
