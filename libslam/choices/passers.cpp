@@ -80,11 +80,6 @@ bool Passers::areAbout() const {
   return scans_with_newcomers_ >= kLeastScans;
 }
 
-Passers::Place Passers::placeOf(const Point2& p_map, double cell_m) {
-  const auto at = [&](double x_m) { return static_cast<Place>(std::floor(x_m / cell_m)); };
-  return at(p_map.y) * (Place{1} << 32) + at(p_map.x);
-}
-
 /// The newest look that lies a moment back; null where there is none.
 const Passers::Look* Passers::before(double time_s) {
   if (!looks_.empty() && !(time_s > looks_.back().time_s)) looks_.clear();
@@ -136,28 +131,22 @@ void Passers::see(const lidar::Scan& scan, const core::Pose2& T_map_robot, doubl
                             return isLookedThrough(*old, slipped, p);
                           });
     const auto known = static_cast<size_t>(
-        std::count_if(run, end, [&](const Point2& p) { return passed_.count(placeOf(p, cell_m)) != 0; }));
+        std::count_if(run, end, [&](const Point2& p) { return passed_.contains(placeOf(p, cell_m)); }));
     if (!has_come && 2 * known < count) continue;
     has_anybody_come = has_anybody_come || has_come;
     for (auto p = run; p != end; ++p) {
-      if (has_come) mark(*p, cell_m, passed_);
+      if (has_come) passed_.insertAround(*p, cell_m);
       for (int k = 0; k < kAround; ++k)
         bodies_.push_back(core::Pose2{p->x, p->y, k * 2 * core::kPi / kAround} * Point2{kBody_m, 0});
     }
   }
   scans_with_newcomers_ += has_anybody_come;
   if (areAbout())
-    for (const auto& p : points) mark(p, cell_m, seen_now_);
+    for (const auto& p : points) seen_now_.insertAround(p, cell_m);
   else
     bodies_.clear();
   looks_.push_back(
       {scan.time_s, T_map_robot, T_start_told_, scan.T_robot_lidar, obstacles::LidarView(scan, all_round_)});
-}
-
-/// The cell of a point, and those beside it.
-void Passers::mark(const Point2& p, double cell_m, std::unordered_set<Place>& places) {
-  for (const double dy : {-cell_m, 0.0, cell_m})
-    for (const double dx : {-cell_m, 0.0, cell_m}) places.insert(placeOf({p.x + dx, p.y + dy}, cell_m));
 }
 
 paths::CellBlock Passers::takeOutOf(paths::FreeSpace& space) const {
@@ -166,7 +155,7 @@ paths::CellBlock Passers::takeOutOf(paths::FreeSpace& space) const {
   for (std::size_t cell = 0; cell < space.state.size(); ++cell) {
     if (space.state[cell] != paths::kOccupiedCell) continue;
     const Place place = placeOf(space.centreOf(cell), space.resolution_m);
-    if (passed_.count(place) != 0 && seen_now_.count(place) == 0) makeFree(space, cell, freed);
+    if (passed_.contains(place) && !seen_now_.contains(place)) makeFree(space, cell, freed);
   }
   return are_small_things_suspected_ ? paths::joined(freed, takeOutSmallThings(space)) : freed;
 }
@@ -181,7 +170,7 @@ paths::CellBlock Passers::takeOutSmallThings(paths::FreeSpace& space) const {
     places.reserve(thing.size());
     for (const std::size_t part : thing) places.push_back(space.centreOf(part));
     const bool is_seen = std::any_of(places.begin(), places.end(), [&](const Point2& p) {
-      return seen_now_.count(placeOf(p, space.resolution_m)) != 0;
+      return seen_now_.contains(placeOf(p, space.resolution_m));
     });
     if (is_seen || sideOf(places) > kPerson_m) continue;
     for (const std::size_t part : thing) makeFree(space, part, freed);

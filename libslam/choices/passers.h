@@ -1,9 +1,9 @@
 #pragma once
 #include <cstdint>
 #include <deque>
-#include <unordered_set>
 #include <vector>
 
+#include "libslam/choices/place_set.h"
 #include "libslam/core/pose2.h"
 #include "libslam/lidar/scan.h"
 #include "libslam/obstacles/lidar_view.h"
@@ -38,15 +38,12 @@ class Passers {
   paths::CellBlock takeOutOf(paths::FreeSpace& space) const;
 
  private:
-  using Place = std::int64_t;
   /// What a scan saw, and from where.
   struct Look {
     double time_s;
     core::Pose2 T_map_robot, T_start_told, T_robot_lidar;
     obstacles::LidarView view;
   };
-  static Place placeOf(const core::Point2& p_map, double cell_m);
-  static void mark(const core::Point2& p_map, double cell_m, std::unordered_set<Place>& places);
   const Look* before(double time_s);
   core::Pose2 slip(const Look& since, const core::Pose2& T_map_robot) const;
   static bool isLookedThrough(const Look& look, const core::Pose2& slip, const core::Point2& p_map);
@@ -56,8 +53,8 @@ class Passers {
   core::Pose2 T_start_told_;  ///< where the robot would be if it had done what it was told
   std::deque<Look> looks_;    ///< of the last moments, the oldest first
   int scans_with_newcomers_ = 0;
-  std::unordered_set<Place> passed_;    ///< cells in or beside which somebody was
-  std::unordered_set<Place> seen_now_;  ///< in or beside which the newest scan has a return
+  PlaceSet passed_;    ///< cells in or beside which somebody was
+  PlaceSet seen_now_;  ///< in or beside which the newest scan has a return
   std::vector<core::Point2> bodies_;
   bool are_small_things_suspected_ = false;
 };

@@ -60,6 +60,10 @@ inline double distance(const Pose2& a, const Pose2& b) {
 inline double distance(const Point2& a, const Point2& b) {
   return core::hypot(a.x - b.x, a.y - b.y);
 }
+/// distance(a, b) < limit_m, mostly without a root: where one coordinate alone is that far off it is not.
+inline bool areWithin(const Point2& a, const Point2& b, double limit_m) {
+  return std::abs(a.x - b.x) < limit_m && std::abs(a.y - b.y) < limit_m && distance(a, b) < limit_m;
+}
 inline Point2 position(const Pose2& pose) {
   return {pose.x, pose.y};
 }

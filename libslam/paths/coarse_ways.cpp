@@ -29,17 +29,27 @@ CoarseWays::CoarseWays(const PathPlanner& planner, std::size_t most_blocks)
   const int rows = (planner.nodeRows() + side_ - 1) / side_ + 2;
   open_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows), 0);
   const auto isInside = [&](int at) { return at % side_ != 0 && at % side_ != side_ - 1; };
+  std::vector<int> block_at(static_cast<std::size_t>(std::max(node_columns_, planner.nodeRows())));
+  for (std::size_t i = 0; i < block_at.size(); ++i) block_at[i] = static_cast<int>(i) / side_;
+  const auto blockAt = [&](int at) { return block_at[static_cast<std::size_t>(at)]; };
+  std::vector<int> all, at_sides;  // columns
+  for (int column = 1; column + 1 < node_columns_; ++column) {
+    all.push_back(column);
+    if (!isInside(column)) at_sides.push_back(column);
+  }
   for (int row = 1; row + 1 < planner.nodeRows(); ++row)
-    for (int column = 1; column + 1 < node_columns_; ++column) {
+    for (const int column : isInside(row) ? at_sides : all) {
       const PathPlanner::Node node = row * node_columns_ + column;
-      if (!planner.isReached(node) || (isInside(row) && isInside(column))) continue;
-      std::uint8_t& open = open_[blockOf(node)];
+      if (!planner.isReached(node)) continue;
+      const std::size_t block =
+          static_cast<std::size_t>(blockAt(row) + 1) * static_cast<std::size_t>(columns_) +
+          static_cast<std::size_t>(blockAt(column) + 1);
       for (std::size_t d = 0; d < 8; ++d) {
-        const int dc = (column + kColumn[d]) / side_ - column / side_;
-        const int dr = (row + kRow[d]) / side_ - row / side_;
+        const int dc = blockAt(column + kColumn[d]) - blockAt(column);
+        const int dr = blockAt(row + kRow[d]) - blockAt(row);
         const std::uint8_t bit = kBitOf[static_cast<std::size_t>(3 * (dr + 1) + dc + 1)];
-        if ((open & bit) != bit && planner.isReached(node + kRow[d] * node_columns_ + kColumn[d]))
-          open |= bit;
+        if ((open_[block] & bit) != bit && planner.isReached(node + kRow[d] * node_columns_ + kColumn[d]))
+          open_[block] |= bit;
       }
     }
 }

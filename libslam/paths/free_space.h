@@ -56,8 +56,8 @@ struct CellBlock {
 };
 /// The least block that holds all cells whose states differ. REQUIRES two maps of equal size (ContractError).
 CellBlock changedCells(const FreeSpace& a, const FreeSpace& b);
-/// readFreeSpace() into a map that holds an earlier one, or nothing. Answers with the least block that holds all
-/// cells whose states changed by that: of other sizes than before, the whole map.
+/// readFreeSpace() into a map that holds an earlier one, or nothing. Answers with the least block that holds
+/// all cells whose states changed by that: of other sizes than before, the whole map.
 CellBlock updateFreeSpace(const gridmap::OccupancyRaster& map, FreeSpace& space);
 /// The least block that holds both.
 CellBlock joined(const CellBlock& a, const CellBlock& b);

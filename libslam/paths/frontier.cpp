@@ -52,11 +52,11 @@ void FrontierCells::update(const FreeSpace& space, const CellBlock& changed) {
   columns_ = space.columns, rows_ = space.rows;
   if (!is_new && changed.isEmpty()) return;
   const CellBlock near = is_new ? CellBlock{0, 0, columns_, rows_} : grown(changed, 1, space);
-  const auto first = is_new ? cells_.begin() : lowerBound(cells_, space.index(0, near.first_row));
-  const auto last = is_new ? cells_.end() : lowerBound(cells_, space.index(0, near.last_row));
-  std::vector<std::size_t> cells(cells_.begin(), first);
+  const auto first = is_new ? cells_.cbegin() : lowerBound(cells_, space.index(0, near.first_row));
+  const auto last = is_new ? cells_.cend() : lowerBound(cells_, space.index(0, near.last_row));
+  std::vector<std::size_t> cells(cells_.cbegin(), first);
   addFrontierCells(space, near.first_row, near.last_row, cells);
-  cells.insert(cells.end(), last, cells_.end());
+  cells.insert(cells.end(), last, cells_.cend());
   cells_ = std::move(cells);
 }
 

@@ -191,38 +191,45 @@ void PathPlanner::spread() {
   }
 }
 
-/// All nodes beside one of a lower factor are admitted, and nothing stands between: their cells are at most
-/// (2 per_node - 1) root 2 apart, and clearance falls by at most one per cell.
-std::uint8_t PathPlanner::rimFactor() const {
-  const double safe = std::sqrt(nodes_->admitted) + std::sqrt(2.0) * (2 * per_node_ - 1);
-  const auto safe_at = static_cast<std::size_t>(std::ceil(safe * safe));
-  return safe_at < nodes_->factor_of.size() ? nodes_->factor_of[safe_at - 1] : std::uint8_t{0};
-}
-
 void PathPlanner::spreadLook() {
   look_depth_.assign(factor_.size(), 0);
   const auto most =
       static_cast<std::uint8_t>(std::clamp(options_.look_m / (per_node_ * space_.resolution_m), 0.0, 250.0));
+  if (most == 0) return;
+  // 1 where only a look can go.
+  std::vector<std::uint8_t> open(factor_.size());
+  for (std::size_t i = 0; i < open.size(); ++i)
+    open[i] = static_cast<std::uint8_t>((cost_[i] == kNotReached) & nodes_->is_free[i]);
   std::vector<Node> wave, next;
   const auto enter = [&](Node node, std::uint8_t depth) {
     for (std::uint8_t d = 0; d < 8; ++d) {
       const Node to = node + kDirections[d].dr * columns_ + kDirections[d].dc;
       const auto i = static_cast<std::size_t>(to);
-      if (cost_[i] != kNotReached || look_depth_[i] != 0) continue;
-      if (to % columns_ == 0 || to % columns_ == columns_ - 1 || to < columns_ ||
-          to >= columns_ * (rows_ - 1) || space_.state[cellOf(to)] != kFreeCell)
-        continue;
+      if (!open[i] || look_depth_[i] != 0) continue;
       look_depth_[i] = depth;
       from_[i] = d;
       next.push_back(to);
     }
   };
-  const std::uint8_t rim = rimFactor();
-  for (Node node = columns_; node < columns_ * (rows_ - 1) && most > 0; ++node)
-    // Only at the rim of what was reached, where the factor is high, can there be anything beyond.
-    if (factor_[static_cast<std::size_t>(node)] >= rim &&
-        cost_[static_cast<std::size_t>(node)] != kNotReached)
-      enter(node, 1);
+  // A row at a time and without a branch, so that it vectorises: few nodes that are reached have any beside
+  // them that are not.
+  const auto width = static_cast<std::size_t>(columns_);
+  std::vector<std::uint8_t> is_beside(width, 0);
+  for (Node row = 1; row + 1 < rows_; ++row) {
+    const std::uint8_t* const here = open.data() + static_cast<std::size_t>(row) * width;
+    std::uint8_t any = 0;
+    for (std::size_t i = 1; i + 1 < width; ++i) {
+      const std::uint8_t *const below = here + i - width, *const above = here + i + width;
+      is_beside[i] = static_cast<std::uint8_t>(below[-1] | below[0] | below[1] | here[i - 1] | here[i + 1] |
+                                               above[-1] | above[0] | above[1]);
+      any |= is_beside[i];
+    }
+    for (Node column = 1; any != 0 && column + 1 < columns_; ++column) {
+      const Node node = row * columns_ + column;
+      if (is_beside[static_cast<std::size_t>(column)] && cost_[static_cast<std::size_t>(node)] != kNotReached)
+        enter(node, 1);
+    }
+  }
   for (std::uint8_t depth = 2; depth <= most && !next.empty(); ++depth) {
     wave.swap(next);
     next.clear();

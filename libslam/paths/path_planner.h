@@ -63,7 +63,6 @@ class PathPlanner {
   bool passes(Node a, Node b) const;
   std::vector<std::pair<Node, std::int32_t>> startNodes() const;
   void spread();
-  std::uint8_t rimFactor() const;
   void spreadLook();
   double lineCost(const core::Point2& a, const core::Point2& b) const;
 

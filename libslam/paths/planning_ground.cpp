@@ -48,7 +48,8 @@ PlanningNodes::PlanningNodes(const FreeSpace& space, const PlannerOptions& optio
   const auto count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
   factor.assign(count, 0);
   best_cell.assign(count, 0);
-  makeNodes({0, 0, space.columns, space.rows});
+  is_free.assign(count, 0);
+  makeNodes(space, {0, 0, space.columns, space.rows});
 }
 
 bool PlanningNodes::suits(const FreeSpace& space, const PlannerOptions& options) const {
@@ -66,11 +67,11 @@ void PlanningNodes::refresh(const FreeSpace& space, const CellBlock& changed) {
     std::copy_n(part.data() + static_cast<std::size_t>(row - seen.first_row) * seen.columns() +
                     (near.first_column - seen.first_column),
                 width, clearance.data() + space.index(near.first_column, row));
-  makeNodes(near);
+  makeNodes(space, near);
 }
 
 /// Those that any cell of the block belongs to.
-void PlanningNodes::makeNodes(const CellBlock& block) {
+void PlanningNodes::makeNodes(const FreeSpace& space, const CellBlock& block) {
   const int first = block.first_column / per_node, last = (block.last_column - 1) / per_node;
   std::vector<std::int16_t> best(static_cast<std::size_t>(columns));
   for (int row = block.first_row / per_node; row <= (block.last_row - 1) / per_node; ++row) {
@@ -89,9 +90,12 @@ void PlanningNodes::makeNodes(const CellBlock& block) {
                 static_cast<std::uint8_t>(dr * per_node + dc);
           }
     }
-    for (int node = first + 1; node <= last + 1; ++node)
-      factor[row_start + static_cast<std::size_t>(node)] =
-          factor_of[static_cast<std::size_t>(best[static_cast<std::size_t>(node)])];
+    for (int node = first + 1; node <= last + 1; ++node) {
+      const std::size_t at = row_start + static_cast<std::size_t>(node);
+      factor[at] = factor_of[static_cast<std::size_t>(best[static_cast<std::size_t>(node)])];
+      const int column = (node - 1) * per_node + best_cell[at] % per_node;
+      is_free[at] = space.state[space.index(column, row * per_node + best_cell[at] / per_node)] == kFreeCell;
+    }
   }
 }
 

@@ -45,9 +45,10 @@ struct PlanningNodes {
   std::vector<std::uint8_t> factor_of;     ///< cost factor by squared clearance; 0 = not admitted
   std::vector<std::uint8_t> factor;        ///< per node, 0 = not admitted
   std::vector<std::uint8_t> best_cell;     ///< per node, row by row in the node
+  std::vector<std::uint8_t> is_free;       ///< per node: 1 where its best cell is free, 0 at the border
 
  private:
-  void makeNodes(const CellBlock& block);
+  void makeNodes(const FreeSpace& space, const CellBlock& block);
 
   int cell_columns_ = 0, cell_rows_ = 0, reach_ = 0;
   std::uint8_t obstacles_ = 0;

@@ -50,15 +50,14 @@ void MapStrategy::seeMap(const gridmap::OccupancyRaster& map) {
 
 bool MapStrategy::isSpent(const core::Point2& p_map) const {
   for (const auto& place : spent_)
-    if (core::distance(place, p_map) < kSpent_m) return true;
+    if (core::areWithin(place, p_map, kSpent_m)) return true;
   for (const auto& failure : failures_)
-    if (failure.until > decisions_ && core::distance(failure.goal, p_map) < kSpent_m) return true;
+    if (failure.until > decisions_ && core::areWithin(failure.goal, p_map, kSpent_m)) return true;
   return false;
 }
 
-MapStrategy::Place MapStrategy::placeOf(const core::Point2& p_map) const {
-  const auto at = [&](double x_m) { return static_cast<Place>(std::floor(x_m / space_->resolution_m)); };
-  return at(p_map.y) * (Place{1} << 32) + at(p_map.x);
+choices::Place MapStrategy::placeOf(const core::Point2& p_map) const {
+  return choices::placeOf(p_map, space_->resolution_m);
 }
 
 void MapStrategy::seeScan(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
@@ -66,17 +65,13 @@ void MapStrategy::seeScan(const lidar::Scan& scan, const core::Pose2& T_map_robo
   if (!space_ || !core::isFinite(T_map_robot)) return;
   const double cell_m = space_->resolution_m;
   const core::RigidMotion2 T_map_scan(T_map_robot);
-  for (const auto& p_robot : lidar::scanPoints(scan)) {
-    const core::Point2 p = T_map_scan * p_robot;
-    for (const double dy : {-cell_m, 0.0, cell_m})
-      for (const double dx : {-cell_m, 0.0, cell_m}) returns_.insert(placeOf({p.x + dx, p.y + dy}));
-  }
+  for (const auto& p_robot : lidar::scanPoints(scan)) returns_.insertAround(T_map_scan * p_robot, cell_m);
   passers_.see(scan, T_map_robot, cell_m);
 }
 
 /// The map with an obstacle in every frontier cell at which the lidar has measured a return.
 MapStrategy::Looking MapStrategy::withoutFalseFrontiers() {
-  const auto isReturn = [&](std::size_t cell) { return returns_.count(placeOf(space_->centreOf(cell))) != 0; };
+  const auto isReturn = [&](std::size_t cell) { return returns_.contains(placeOf(space_->centreOf(cell))); };
   looking_.close(*space_, isReturn, closedGap_m());
   return {looking_.space(), looking_.frontierCells()};
 }
@@ -88,7 +83,7 @@ void MapStrategy::annotate(gridmap::OccupancyRaster& map) const {
     const core::Point2 p = space.centreOf(cell);
     const auto looks = looks_.find(placeOf(p));
     const bool is_given_up = looks != looks_.end() && looks->second >= kMostLooks;
-    if (!is_given_up && returns_.count(placeOf(p)) == 0) continue;
+    if (!is_given_up && !returns_.contains(placeOf(p))) continue;
     const auto column = static_cast<std::size_t>(map.columnOf(p.x)),
                row = static_cast<std::size_t>(map.rowOf(p.y));
     map.occupancy[row * static_cast<std::size_t>(map.columns) + column] = 1.0F;
@@ -160,7 +155,7 @@ std::vector<choices::Viewpoint> MapStrategy::viewpointsFor(
       if (isSpent(p)) continue;
       const bool crowded = std::any_of(viewpoints.begin() + static_cast<std::ptrdiff_t>(first),
                                        viewpoints.end(), [&, &place = p](const choices::Viewpoint& other) {
-                                         return core::distance(other.p_map, place) < kViewpointSpacing_m &&
+                                         return core::areWithin(other.p_map, place, kViewpointSpacing_m) &&
                                                 (!sharedViewpoints() || seesStraight(other.p_map, place));
                                        });
       if (crowded) continue;
@@ -204,7 +199,7 @@ std::vector<choices::Viewpoint> MapStrategy::withWays(const paths::PathPlanner& 
       short_of.at_frontier = false;
       const bool crowded =
           std::any_of(standoffs.begin(), standoffs.end(), [&](const choices::Viewpoint& other) {
-            return core::distance(other.p_map, short_of.p_map) < kViewpointSpacing_m;
+            return core::areWithin(other.p_map, short_of.p_map, kViewpointSpacing_m);
           });
       if (!crowded && !isSpent(short_of.p_map)) standoffs.push_back(std::move(short_of));
     }
@@ -250,9 +245,8 @@ paths::FreeSpace MapStrategy::bareSpace(const core::Pose2& T_map_robot) const {
 }
 
 /// Nothing when there is nowhere to go by this plan.
-std::optional<choices::Decision> MapStrategy::goOn(const paths::PathPlanner& planner,
-                                                   const Looking& looking, const lidar::Scan& scan,
-                                                   const core::Pose2& T_map_robot) {
+std::optional<choices::Decision> MapStrategy::goOn(const paths::PathPlanner& planner, const Looking& looking,
+                                                   const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   const auto min_cells = static_cast<std::size_t>(
       std::max(1.0, std::ceil(options_.frontier_min_m / space_->resolution_m - 1e-9)));
   const auto frontiers = openFrontiers(looking, planner, min_cells);

@@ -2,12 +2,12 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 #include "libslam/choices/certainty.h"
 #include "libslam/choices/looking_map.h"
 #include "libslam/choices/passers.h"
+#include "libslam/choices/place_set.h"
 #include "libslam/choices/viewpoint.h"
 #include "libslam/paths/expected_gain.h"
 #include "libslam/paths/free_space.h"
@@ -21,7 +21,7 @@ namespace slam::strategies {
 struct Scene {
   const paths::FreeSpace& space;  ///< with an obstacle where a border of the unknown turned out to be one
   const paths::PathPlanner& planner;
-  const std::vector<std::size_t>& frontier_cells;  ///< of `space`, ascending
+  const std::vector<std::size_t>& frontier_cells;     ///< of `space`, ascending
   const std::vector<paths::Frontier>& frontiers;      ///< those in reach that have not been given up
   const std::vector<choices::Viewpoint>& viewpoints;  ///< by cost, never empty
   paths::LidarView view;
@@ -99,8 +99,7 @@ class MapStrategy : public Strategy {
 
  private:
   static constexpr double kLeastNews_m2 = 0.1;  ///< less new area than this may be the map's noise
-  using Place = std::int64_t;  ///< a cell's place in the map frame, whatever the raster's extent
-  Place placeOf(const core::Point2& p_map) const;
+  choices::Place placeOf(const core::Point2& p_map) const;
   choices::Decision decideNext(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   std::optional<choices::Decision> goBack(const choices::Decision& next, const core::Pose2& T_map_robot);
   /// By what is to be looked at.
@@ -145,10 +144,10 @@ class MapStrategy : public Strategy {
     int until;  ///< decision
   };
   std::vector<Failure> failures_;
-  std::unordered_set<Place> returns_;        ///< cells in or beside which the lidar has measured a return
-  std::unordered_map<Place, int> looks_;     ///< at frontier cells that were for nothing
-  std::optional<core::Point2> looked_from_;  ///< the goal that was reached, until the next decision
-  std::size_t known_before_ = 0;             ///< cells of the map when the present goal was chosen
+  choices::PlaceSet returns_;  ///< cells in or beside which the lidar has measured a return
+  std::unordered_map<choices::Place, int> looks_;  ///< at frontier cells that were for nothing
+  std::optional<core::Point2> looked_from_;        ///< the goal that was reached, until the next decision
+  std::size_t known_before_ = 0;                   ///< cells of the map when the present goal was chosen
   int decisions_ = 0;
   choices::Passers passers_;
   choices::Certainty certainty_;

@@ -53,7 +53,7 @@ bool MapStrategy::isStillGood(const choices::Decision& decision, const core::Pos
   for (const auto& p : target_) {
     const int column = space_->columnOf(p.x), row = space_->rowOf(p.y);
     left += column > 0 && row > 0 && column + 1 < space_->columns && row + 1 < space_->rows &&
-            paths::isFrontierCell(*space_, space_->index(column, row)) && returns_.count(placeOf(p)) == 0;
+            paths::isFrontierCell(*space_, space_->index(column, row)) && !returns_.contains(placeOf(p));
   }
   return static_cast<double>(left) >= kWorthGoing * static_cast<double>(target_.size());
 }

@@ -38,6 +38,7 @@ void expectEqualToAFreshOne(const PlanningGround& ground, const FreeSpace& map,
   EXPECT_EQ(ground.nodes()->clearance, fresh.clearance);
   EXPECT_EQ(ground.nodes()->factor, fresh.factor);
   EXPECT_EQ(ground.nodes()->best_cell, fresh.best_cell);
+  EXPECT_EQ(ground.nodes()->is_free, fresh.is_free);
 }
 
 TEST(PlanningGround, IsTheSameAsAFreshOneWhateverChanges) {
