@@ -130,8 +130,8 @@ void Passers::see(const lidar::Scan& scan, const core::Pose2& T_map_robot, doubl
     const bool has_come = old != nullptr && std::all_of(run, end, [&](const Point2& p) {
                             return isLookedThrough(*old, slipped, p);
                           });
-    const auto known = static_cast<size_t>(
-        std::count_if(run, end, [&](const Point2& p) { return passed_.contains(placeOf(p, cell_m)); }));
+    const auto known = static_cast<size_t>(std::count_if(
+        run, end, [&](const Point2& p) { return passed_.contains(core::planeCell(p, cell_m)); }));
     if (!has_come && 2 * known < count) continue;
     has_anybody_come = has_anybody_come || has_come;
     for (auto p = run; p != end; ++p) {
@@ -154,7 +154,7 @@ paths::CellBlock Passers::takeOutOf(paths::FreeSpace& space) const {
   if (!areAbout()) return freed;
   for (std::size_t cell = 0; cell < space.state.size(); ++cell) {
     if (space.state[cell] != paths::kOccupiedCell) continue;
-    const Place place = placeOf(space.centreOf(cell), space.resolution_m);
+    const core::PlaneCell place = core::planeCell(space.centreOf(cell), space.resolution_m);
     if (passed_.contains(place) && !seen_now_.contains(place)) makeFree(space, cell, freed);
   }
   return are_small_things_suspected_ ? paths::joined(freed, takeOutSmallThings(space)) : freed;
@@ -170,7 +170,7 @@ paths::CellBlock Passers::takeOutSmallThings(paths::FreeSpace& space) const {
     places.reserve(thing.size());
     for (const std::size_t part : thing) places.push_back(space.centreOf(part));
     const bool is_seen = std::any_of(places.begin(), places.end(), [&](const Point2& p) {
-      return seen_now_.contains(placeOf(p, space.resolution_m));
+      return seen_now_.contains(core::planeCell(p, space.resolution_m));
     });
     if (is_seen || sideOf(places) > kPerson_m) continue;
     for (const std::size_t part : thing) makeFree(space, part, freed);

@@ -1,23 +1,19 @@
 #include "libslam/graph/change_marks.h"
 
-#include <cmath>
 #include <iterator>
+
+#include "libslam/core/plane_cell.h"
 
 namespace slam::graph {
 namespace {
 
 constexpr double kCell_m = 0.2;
 
-std::int64_t cellOf(const core::Point2& p) {
-  return static_cast<std::int64_t>(std::floor(p.x / kCell_m)) * (std::int64_t{1} << 32) +
-         static_cast<std::int64_t>(std::floor(p.y / kCell_m));
-}
-
 }  // namespace
 
 bool ChangeMarks::look(const core::Point2& p_map, double time_s) {
   forgetBefore(time_s - kForgotten_s);
-  Mark& mark = marks_.emplace(cellOf(p_map), Mark{time_s, time_s}).first->second;
+  Mark& mark = marks_.emplace(core::planeCell(p_map, kCell_m), Mark{time_s, time_s}).first->second;
   if (time_s - mark.last_s > kForgotten_s) mark.first_s = time_s;
   mark.last_s = time_s;
   return mark.last_s - mark.first_s >= kStays_s;
@@ -26,7 +22,7 @@ bool ChangeMarks::look(const core::Point2& p_map, double time_s) {
 bool ChangeMarks::hasStayed(const core::Point2& p_map) const {
   for (const double dx : {0.0, -kCell_m, kCell_m})
     for (const double dy : {0.0, -kCell_m, kCell_m}) {
-      const auto mark = marks_.find(cellOf({p_map.x + dx, p_map.y + dy}));
+      const auto mark = marks_.find(core::planeCell({p_map.x + dx, p_map.y + dy}, kCell_m));
       if (mark != marks_.end() && mark->second.last_s - mark->second.first_s >= kStays_s) return true;
     }
   return false;

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <unordered_set>
 
+#include "libslam/core/plane_cell.h"
+
 namespace slam::keyframes {
 namespace {
 
@@ -46,13 +48,10 @@ std::vector<Point2> searchPoints(const std::vector<PatchPoint>& points, size_t m
 }
 
 std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double side_m) {
-  std::unordered_set<std::int64_t> taken;
+  std::unordered_set<core::PlaneCell> taken;
   std::vector<PatchPoint> kept;
-  for (const auto& p : points) {
-    const auto column = static_cast<std::int64_t>(std::floor(p.x / side_m));
-    const auto row = static_cast<std::int64_t>(std::floor(p.y / side_m));
-    if (taken.insert(column * (std::int64_t{1} << 32) + row).second) kept.push_back(p);
-  }
+  for (const auto& p : points)
+    if (taken.insert(core::planeCell(position(p), side_m)).second) kept.push_back(p);
   return kept;
 }
 

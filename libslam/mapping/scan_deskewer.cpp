@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "libslam/core/elementary.h"
 #include "libslam/scanmatch/information.h"
@@ -47,6 +48,29 @@ constexpr int kMoreRounds = 1;
 /// Of the time between scans: in a longer sweep too much of what the match finds is skew of the scan before,
 /// and errors would be handed on from scan to scan.
 constexpr double kLongestShare = 0.5;
+/// There only whether wheels have slipped is asked, when odometry is so far from how the robot moved before.
+constexpr double kApart_m = 0.03, kApart_rad = 0.02, kGainSigmas = 2;
+/// Where one has, or nothing explains enough (it slips as the robot begins to turn), every turn is tried from
+/// that before to odometry's, and so far beyond them; but none beyond so much in one sweep.
+constexpr double kSlip_rad = 0.3, kSlipStep_rad = 0.05, kMostTurn_rad = 1;
+
+/// The last motion, as it goes on.
+std::optional<core::Pose2> goingOn(const StepHistory& history, double period_s) {
+  if (!(history.last_period_s > 0)) return std::nullopt;
+  return core::interpolate({}, history.T_previous_last, period_s / history.last_period_s);
+}
+
+/// Two motions that deskew a scan differently.
+bool areApart(const core::Pose2& a, const core::Pose2& b) {
+  const core::Pose2 T = core::between(a, b);
+  return core::hypot(T.x, T.y) > kApart_m || std::abs(T.phi) > kApart_rad;
+}
+
+/// Of two shares that as many points explain, by how much one has to be larger not to be so by chance.
+double leastGain(double share, std::size_t points) {
+  return kStartGain +
+         kGainSigmas * std::sqrt(share * (1 - share) / static_cast<double>(std::max<std::size_t>(points, 1)));
+}
 
 }  // namespace
 
@@ -64,11 +88,15 @@ scanmatch::MatchResult ScanDeskewer::matched(const lidar::Scan& deskewed, const 
   return result;
 }
 
-/// By the motion that odometry gives, or the last one goes on where that explains more (wheels slip), each as
-/// the scan before corrects it.
+/// By the motion that odometry gives, or the last one goes on where that explains more (wheels slip); of a
+/// short sweep each as the scan before corrects it.
 lidar::Scan ScanDeskewer::deskewedByMatch(const StepHistory& history, const lidar::Scan& scan,
                                           const core::Pose2& T_previous_robot, double period_s,
                                           const lidar::Sweep& sweep) {
+  lidar::Scan result = lidar::deskewed(scan, T_previous_robot, period_s, sweep);
+  const bool is_short = sweep.duration_s <= kLongestShare * period_s;
+  const auto goes_on = goingOn(history, period_s);
+  if (!is_short && !(goes_on && areApart(*goes_on, T_previous_robot))) return result;
   const auto before = scanmatch::patchPoints(*history.previous_scan, kSpacing);
   for (auto* map : {&coarse_, &fine_}) map->clear({}, kSpacing.max_range_m), map->add(before, {});
   const double root = std::sqrt(std::clamp(period_s, 0.0, 2.0) / scanmatch::kNominalPeriod_s);
@@ -77,14 +105,26 @@ lidar::Scan ScanDeskewer::deskewedByMatch(const StepHistory& history, const lida
   odometry.information = scanmatch::poseInformation(
       kOdometry_m * root + kOdometryShare * core::hypot(T_previous_robot.x, T_previous_robot.y),
       kOdometry_rad * root + kOdometryShare * std::abs(T_previous_robot.phi));
-  lidar::Scan result = lidar::deskewed(scan, T_previous_robot, period_s, sweep);
   auto match = matched(result, T_previous_robot, odometry);
-  if (match.score < kSurely && history.last_period_s > 0) {
-    const core::Pose2 T = core::interpolate({}, history.T_previous_last, period_s / history.last_period_s);
-    const auto other = matched(lidar::deskewed(scan, T, period_s, sweep), T, odometry);
-    if (other.score > match.score + kStartGain) match = other;
+  const auto tryMotion = [&](const core::Pose2& T, double least) {
+    lidar::Scan by_it = lidar::deskewed(scan, T, period_s, sweep);
+    const auto other = matched(by_it, T, odometry);
+    const double gain = is_short ? kStartGain : leastGain(match.score, before.size());
+    const bool is_better = other.score > std::max(match.score + gain, least);
+    if (is_better) match = other, result = std::move(by_it);
+    return is_better;
+  };
+  const bool is_told_wrong = match.score < kSurely && goes_on && tryMotion(*goes_on, 0);
+  if (!is_short && (is_told_wrong || match.score < kLeastScore)) {
+    const auto turnOf = [](const core::Pose2& T) {
+      return std::clamp(core::wrapToPi(T.phi), -kMostTurn_rad, kMostTurn_rad);
+    };
+    const double last = turnOf(*goes_on), told = turnOf(T_previous_robot);
+    const double first = std::min(last, told) - kSlip_rad, range = std::abs(told - last) + 2 * kSlip_rad;
+    for (int step = 0; step * kSlipStep_rad < range; ++step)
+      tryMotion({T_previous_robot.x, T_previous_robot.y, first + step * kSlipStep_rad}, kLeastScore);
   }
-  for (int round = 0; match.score > kLeastScore; ++round) {
+  for (int round = 0; is_short && match.score > kLeastScore; ++round) {
     result = lidar::deskewed(scan, match.T_map_robot, period_s, sweep);
     if (round == kMoreRounds) break;
     match = matched(result, match.T_map_robot, odometry);
@@ -102,8 +142,7 @@ std::optional<lidar::Scan> ScanDeskewer::deskewed(const StepHistory& history, co
   const auto motion = motionUpTo(history, scan, T_previous_robot, has_odometry);
   if (!motion) return std::nullopt;
   ++counts_.set_right;
-  if (has_odometry && sweep->duration_s <= kLongestShare * motion->period_s &&
-      lidar::areOfOneLidar(*history.previous_scan, scan))
+  if (has_odometry && lidar::areOfOneLidar(*history.previous_scan, scan))
     return deskewedByMatch(history, scan, motion->T_previous_robot, motion->period_s, *sweep);
   return lidar::deskewed(scan, motion->T_previous_robot, motion->period_s, *sweep);
 }

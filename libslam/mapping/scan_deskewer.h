@@ -17,6 +17,9 @@ struct SweptScans {
 /// Takes out of scans what the robot's motion did to them, where the method wants that and it can be known.
 /// The motion is the odometry's; where a sweep takes up to half of the time between scans, as a match to the
 /// scan before of the same lidar corrects it: a step's odometry errs by more than its beams may be off.
+/// Longer sweeps are asked only whether wheels have slipped, where odometry is far from how the robot moved
+/// before: then that goes on, or the robot turns by something between and beyond both, if the scan so
+/// deskewed fits distinctly better to the one before.
 class ScanDeskewer {
  public:
   explicit ScanDeskewer(const MethodOptions& method) : method_(method) {}

@@ -56,8 +56,8 @@ bool MapStrategy::isSpent(const core::Point2& p_map) const {
   return false;
 }
 
-choices::Place MapStrategy::placeOf(const core::Point2& p_map) const {
-  return choices::placeOf(p_map, space_->resolution_m);
+core::PlaneCell MapStrategy::placeOf(const core::Point2& p_map) const {
+  return core::planeCell(p_map, space_->resolution_m);
 }
 
 void MapStrategy::seeScan(const lidar::Scan& scan, const core::Pose2& T_map_robot) {

@@ -99,7 +99,7 @@ class MapStrategy : public Strategy {
 
  private:
   static constexpr double kLeastNews_m2 = 0.1;  ///< less new area than this may be the map's noise
-  choices::Place placeOf(const core::Point2& p_map) const;
+  core::PlaneCell placeOf(const core::Point2& p_map) const;
   choices::Decision decideNext(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   std::optional<choices::Decision> goBack(const choices::Decision& next, const core::Pose2& T_map_robot);
   /// By what is to be looked at.
@@ -145,9 +145,9 @@ class MapStrategy : public Strategy {
   };
   std::vector<Failure> failures_;
   choices::PlaceSet returns_;  ///< cells in or beside which the lidar has measured a return
-  std::unordered_map<choices::Place, int> looks_;  ///< at frontier cells that were for nothing
-  std::optional<core::Point2> looked_from_;        ///< the goal that was reached, until the next decision
-  std::size_t known_before_ = 0;                   ///< cells of the map when the present goal was chosen
+  std::unordered_map<core::PlaneCell, int> looks_;  ///< at frontier cells that were for nothing
+  std::optional<core::Point2> looked_from_;         ///< the goal that was reached, until the next decision
+  std::size_t known_before_ = 0;                    ///< cells of the map when the present goal was chosen
   int decisions_ = 0;
   choices::Passers passers_;
   choices::Certainty certainty_;

@@ -1,6 +1,7 @@
 // Scans of a lidar that turns while the robot does: told by [method] sweep_s, or by whoever has them.
 #include <gtest/gtest.h>
 
+#include "libslam/core/numbers.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/mapping/scan_deskewer.h"
 #include "tests/mapping/small_room.h"
@@ -136,6 +137,42 @@ TEST(Sweep, WhatOdometryErrsSkewsNoScan) {
   EXPECT_LT(meanSkew(0.12), exact_m + 0.0004);
   // So far that a match seldom leads back from there: the last motion goes on (without it: 12 mm).
   EXPECT_LT(meanSkew(0.2), exact_m + 0.002);
+}
+
+/// Of a scan whose sweep takes the whole period, in which a wheel slips by so much; the robot moved on
+/// evenly, or it stood and begins to move.
+double skewAtSlip(double slip_rad, bool has_stood) {
+  const auto drive = sweptDrive();
+  MethodOptions options;
+  options.sweep_s = 0.2;
+  ScanDeskewer deskewer(options);
+  StepHistory history;
+  constexpr size_t kAt = 5;
+  for (size_t i = 0; i <= kAt; ++i) {
+    const auto& entry = drive.entries[i];
+    core::Pose2 T_previous_robot = entry.T_previous_robot;
+    if (i == kAt) T_previous_robot.phi += slip_rad;
+    if (i == kAt && has_stood) history.T_previous_last = {};
+    const auto deskewed = deskewer.deskewed(history, entry.scan, {}, T_previous_robot, true);
+    const lidar::Scan& scan = deskewed ? *deskewed : entry.scan;
+    if (i == kAt) return skewOf(scan, drive.truth[i]);
+    history.note(scan, entry.T_previous_robot, drive.truth[i]);
+    history.last_had_odometry = true;
+  }
+  return core::kNaN;
+}
+
+TEST(Sweep, AWheelThatSlipsSkewsNoScanThatTookTheWholePeriod) {
+  const double exact_m = skewAtSlip(0, false);
+  EXPECT_LT(exact_m, 0.005);
+  for (const double slip_rad : {-0.5, -0.3, 0.3, 0.5}) {
+    EXPECT_LT(skewAtSlip(slip_rad, false), exact_m + 0.003) << slip_rad;
+    EXPECT_LT(skewAtSlip(slip_rad, true), exact_m + 0.01) << slip_rad;
+  }
+}
+
+TEST(Sweep, OdometryIsBelievedWhereTheRobotBeginsToMove) {
+  EXPECT_EQ(skewAtSlip(0, true), skewAtSlip(0, false));
 }
 
 }  // namespace
