@@ -9,14 +9,14 @@
 namespace slam::choices {
 namespace {
 
-constexpr double kCell_m = 0.05;
+constexpr double kSide_m = 0.05;
 
 TEST(PlaceSet, HoldsWhatWasPutInAndNothingElse) {
   core::RandomStream random(7, "place set");
   PlaceSet places;
   std::set<core::PlaneCell> expected;
   const auto anywhere = [&] {
-    return core::planeCell({random.uniform(-9, 9), random.uniform(-9, 9)}, kCell_m);
+    return core::planeCell({random.uniform(-9, 9), random.uniform(-9, 9)}, kSide_m);
   };
   for (int i = 0; i < 3000; ++i) {
     const auto place = anywhere();
@@ -35,12 +35,12 @@ TEST(PlaceSet, HoldsWhatWasPutInAndNothingElse) {
 
 TEST(PlaceSet, TakesTheCellsAroundAPointToo) {
   PlaceSet places;
-  places.insertAround({0.01, -0.01}, kCell_m);  // around the origin, where tiles meet
+  places.insertAround({0.01, -0.01}, kSide_m);  // around the origin, where tiles meet
   int held = 0;
   for (int row = -5; row < 5; ++row)
     for (int column = -5; column < 5; ++column) {
       const bool is_held =
-          places.contains(core::planeCell({(column + 0.5) * kCell_m, (row + 0.5) * kCell_m}, kCell_m));
+          places.contains(core::planeCell({(column + 0.5) * kSide_m, (row + 0.5) * kSide_m}, kSide_m));
       EXPECT_EQ(is_held, std::abs(column) <= 1 && std::abs(row + 1) <= 1) << column << ' ' << row;
       held += is_held;
     }
