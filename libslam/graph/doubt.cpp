@@ -147,15 +147,25 @@ std::vector<int> GraphSlam::keyframesBeforeDoubt(const Pose2& T_map_robot) const
   return before;
 }
 
+/// Whether more points than these were known before the doubt. Of a yard in which the lidar reaches nothing,
+/// or one post, a map holds too little for a robot to be lost from it.
+bool GraphSlam::isMoreKnownBefore(std::size_t points) const {
+  std::size_t known = 0;
+  for (int k = doubt_.begins - 1; k >= 0 && known <= points; --k)
+    if (map_->componentOf(k) == map_->componentOf(doubt_.begins)) known += map_->keyframe(k).points.size();
+  return known > points;
+}
+
 /// Whether a scan is believed. In doubt the robot first waits, moved as the two scans and odometry have it;
 /// then it maps on by itself, in a map of its own, which stays part of the rest when the doubt passes.
-keyframes::Trust GraphSlam::weighDoubt(const Pose2& T_before, const keyframes::Break& seam, Step& step) {
+keyframes::Trust GraphSlam::weighDoubt(const Pose2& T_before, const keyframes::Break& seam,
+                                       std::size_t points, Step& step) {
   if (doubt_.begins >= 0) {
     if (!lost_.isInDoubt()) return keyframes::Trust::kBack;
-    if (doubt_.untold_m > options_.map_radius_m && !lost_.isLost()) {
-      // The robot has left what was known before: nothing will prove it any more.
-      endDoubt();
-    }
+    // The robot has left what was known before, or never knew as much as it sees now: nothing will prove it
+    // any more.
+    const bool is_left = doubt_.untold_m > options_.map_radius_m && !lost_.isLost();
+    if (is_left || !isMoreKnownBefore(points)) endDoubt();
     return keyframes::Trust::kWell;
   }
   if (!lost_.isInDoubt()) {

@@ -72,7 +72,7 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
     const Pose2 matched = core::between(T_before, step.T_map_robot);
     const keyframes::Break seam = breakBefore(scan, points, increment, matched, has_odometry);
     lookWhetherLost(scan, points, step, has_odometry ? increment : matched, seam.contradicted, has_odometry);
-    const keyframes::Trust trust = weighDoubt(T_before, seam, step);
+    const keyframes::Trust trust = weighDoubt(T_before, seam, points.size(), step);
     step.is_keyframe = trust == keyframes::Trust::kOwnMap ||
                        (trust == keyframes::Trust::kWell && needsKeyframe(scan, points, step));
     if (trust == keyframes::Trust::kBack) {

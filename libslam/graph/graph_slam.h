@@ -222,7 +222,9 @@ class GraphSlam {
                        const core::Pose2& increment, double broken, bool has_odometry);
   void learnWrongPlace(const lidar::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
   std::vector<int> keyframesBeforeDoubt(const core::Pose2& T_map_robot) const;
-  keyframes::Trust weighDoubt(const core::Pose2& T_before, const keyframes::Break& seam, Step& step);
+  bool isMoreKnownBefore(std::size_t points) const;
+  keyframes::Trust weighDoubt(const core::Pose2& T_before, const keyframes::Break& seam, std::size_t points,
+                              Step& step);
   void beginOwnMap();
   void endDoubt();
   void startElsewhere(double score);

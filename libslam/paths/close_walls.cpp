@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -25,15 +26,24 @@ constexpr std::array<Axis, 8> kAxes = {{{1, 0, 1},
                                         {2, -1, kRoot5},
                                         {1, -2, kRoot5}}};
 
+/// Steps of d cells along a line of so many that stay on it.
+int stepsInside(int at, int d, int cells) {
+  if (d == 0) return std::numeric_limits<int>::max();
+  return d > 0 ? (cells - 1 - at) / d : at / -d;
+}
+
 /// Cells along the axis to the first occupied one, through unknown ones; infinity when none is within
 /// most_cells.
 double toWall(const FreeSpace& space, int column, int row, const Axis& axis, int sign, double most_cells) {
-  for (double at = axis.length; at <= most_cells; at += axis.length) {
-    column += sign * axis.dc, row += sign * axis.dr;
-    if (!space.contains(column, row)) break;
-    const std::uint8_t state = space.state[space.index(column, row)];
-    if (state == kOccupiedCell) return at;
-    if (state == kFreeCell) break;
+  const int dc = sign * axis.dc, dr = sign * axis.dr;
+  const int steps = std::min({static_cast<int>(std::min(most_cells / axis.length, 1e6)),
+                              stepsInside(column, dc, space.columns), stepsInside(row, dr, space.rows)});
+  const std::ptrdiff_t step = std::ptrdiff_t{dr} * space.columns + dc;
+  const std::uint8_t* state = space.state.data() + space.index(column, row);
+  for (int i = 1; i <= steps; ++i) {
+    state += step;
+    if (*state == kOccupiedCell) return i * axis.length;
+    if (*state == kFreeCell) break;
   }
   return std::numeric_limits<double>::infinity();
 }

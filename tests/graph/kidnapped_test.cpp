@@ -55,5 +55,19 @@ TEST(Kidnapped, IsJoinedInAFurnishedHallAfterAShortWay) {
   EXPECT_LT(worstError(graph.poses(), log.truth), 0.1);
 }
 
+// From a map that holds less than one scan tells nothing can be lost: it began where the lidar reached next
+// to nothing, and what little it saw fits nothing since.
+TEST(Kidnapped, IsNobodyWhoBeganWhereNextToNothingWasSeen) {
+  Lidar lidar;
+  lidar.beams = 360, lidar.fov_rad = 2 * core::kPi * 359 / 360;
+  auto log = drive(furnishedHall(), round({6, 4.5}, 4.5, 2.6, 150), lidar, 0);
+  auto& first = log.scans.front().ranges_m;
+  for (size_t i = 0; i < first.size(); ++i) first[i] = i < 12 ? 0.5F * first[i] : lidar::kNoReturn;
+  GraphSlam graph{keyframes::GraphOptions()};
+  for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
+  for (const auto& entry : graph.journal()) EXPECT_NE(entry.event, core::JournalEvent::kLost) << entry.scan;
+  EXPECT_LT(worstError(graph.poses(), log.truth), 0.1);
+}
+
 }  // namespace
 }  // namespace slam::graph
