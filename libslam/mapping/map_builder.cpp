@@ -129,13 +129,13 @@ core::Pose2 processScan(MapBuilder& method, const lidar::Scan& raw_scan, const c
   state.motions.noteCommand(commanded, state.steps, T_previous_robot, has_odometry);
   const std::optional<lidar::Scan> corrected =
       state.deskewer.deskewed(state.history, raw_scan, state.sweep, T_previous_robot, has_odometry);
-  const std::vector<lidar::Scan> others = takeOthers(state, T_previous_robot, has_odometry);
+  const core::Pose2 T_moved = state.deskewer.movedInstead().value_or(T_previous_robot);
+  const std::vector<lidar::Scan> others = takeOthers(state, T_moved, has_odometry);
   state.history.last_had_odometry = has_odometry;
   const lidar::Scan& scan = corrected ? *corrected : raw_scan;
   state.time_s = growingTime(scan.time_s, state.time_s, state.steps == 0);
   try {
-    const methods::StepMotion motion =
-        state.motions.next(state.history, scan, T_previous_robot, has_odometry);
+    const methods::StepMotion motion = state.motions.next(state.history, scan, T_moved, has_odometry);
     const core::Pose2 T_map_robot = method.method->process({state.steps, state.time_s, scan, others, motion});
     methods::requireFinite(T_map_robot, "the pose");
     const core::Pose2 T_last_robot = core::between(state.history.T_map_robot, T_map_robot);

@@ -112,6 +112,7 @@ lidar::Scan ScanDeskewer::deskewedByMatch(const StepHistory& history, const lida
     const double gain = is_short ? kStartGain : leastGain(match.score, before.size());
     const bool is_better = other.score > std::max(match.score + gain, least);
     if (is_better) match = other, result = std::move(by_it);
+    if (is_better && !is_short) moved_instead_ = match.T_map_robot;
     return is_better;
   };
   const bool is_told_wrong = match.score < kSurely && goes_on && tryMotion(*goes_on, 0);
@@ -135,6 +136,7 @@ lidar::Scan ScanDeskewer::deskewedByMatch(const StepHistory& history, const lida
 std::optional<lidar::Scan> ScanDeskewer::deskewed(const StepHistory& history, const lidar::Scan& scan,
                                                   std::optional<lidar::Sweep> sweep,
                                                   const core::Pose2& T_previous_robot, bool has_odometry) {
+  moved_instead_.reset();
   if (method_.sweep_s > 0) sweep = lidar::Sweep{method_.sweep_s, method_.sweep_clockwise};
   if (!sweep || !(sweep->duration_s > 0)) return std::nullopt;
   counts_.swept += history.previous_scan.has_value();

@@ -28,6 +28,9 @@ class ScanDeskewer {
   std::optional<lidar::Scan> deskewed(const StepHistory& history, const lidar::Scan& scan,
                                       std::optional<lidar::Sweep> sweep, const core::Pose2& T_previous_robot,
                                       bool has_odometry);
+  /// How the robot moved up to the scan of the last call, where that showed that wheels had slipped in a long
+  /// sweep: by the match of the scan to the one before. Nothing where odometry holds.
+  const std::optional<core::Pose2>& movedInstead() const { return moved_instead_; }
   const SweptScans& counts() const { return counts_; }
 
  private:
@@ -39,6 +42,7 @@ class ScanDeskewer {
 
   MethodOptions method_;
   SweptScans counts_;
+  std::optional<core::Pose2> moved_instead_;
   scanmatch::SurfelMap coarse_{0.2, 0.04}, fine_{0.1, 0.02};  ///< of the scan before
 };
 
