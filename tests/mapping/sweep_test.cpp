@@ -1,6 +1,8 @@
 // Scans of a lidar that turns while the robot does: told by [method] sweep_s, or by whoever has them.
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "libslam/core/numbers.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/mapping/scan_deskewer.h"
@@ -139,9 +141,14 @@ TEST(Sweep, WhatOdometryErrsSkewsNoScan) {
   EXPECT_LT(meanSkew(0.2), exact_m + 0.002);
 }
 
-/// Of a scan whose sweep takes the whole period, in which a wheel slips by so much; the robot moved on
-/// evenly, or it stood and begins to move.
-double skewAtSlip(double slip_rad, bool has_stood) {
+/// A scan whose sweep takes the whole period, in which a wheel slips by so much; the robot moved on evenly,
+/// or it stood and begins to move.
+struct AtSlip {
+  double skew_m = core::kNaN;
+  std::optional<core::Pose2> moved_instead;
+  core::Pose2 T_true;
+};
+AtSlip atSlip(double slip_rad, bool has_stood) {
   const auto drive = sweptDrive();
   MethodOptions options;
   options.sweep_s = 0.2;
@@ -155,24 +162,34 @@ double skewAtSlip(double slip_rad, bool has_stood) {
     if (i == kAt && has_stood) history.T_previous_last = {};
     const auto deskewed = deskewer.deskewed(history, entry.scan, {}, T_previous_robot, true);
     const lidar::Scan& scan = deskewed ? *deskewed : entry.scan;
-    if (i == kAt) return skewOf(scan, drive.truth[i]);
+    if (i == kAt) return {skewOf(scan, drive.truth[i]), deskewer.movedInstead(), entry.T_previous_robot};
     history.note(scan, entry.T_previous_robot, drive.truth[i]);
     history.last_had_odometry = true;
   }
-  return core::kNaN;
+  return {};
 }
 
 TEST(Sweep, AWheelThatSlipsSkewsNoScanThatTookTheWholePeriod) {
-  const double exact_m = skewAtSlip(0, false);
+  const double exact_m = atSlip(0, false).skew_m;
   EXPECT_LT(exact_m, 0.005);
   for (const double slip_rad : {-0.5, -0.3, 0.3, 0.5}) {
-    EXPECT_LT(skewAtSlip(slip_rad, false), exact_m + 0.003) << slip_rad;
-    EXPECT_LT(skewAtSlip(slip_rad, true), exact_m + 0.01) << slip_rad;
+    EXPECT_LT(atSlip(slip_rad, false).skew_m, exact_m + 0.003) << slip_rad;
+    EXPECT_LT(atSlip(slip_rad, true).skew_m, exact_m + 0.01) << slip_rad;
+  }
+}
+
+TEST(Sweep, TheMethodIsToldTheMotionThatTheScanShowsInstead) {
+  for (const bool has_stood : {false, true}) {
+    const auto at = atSlip(0.4, has_stood);
+    ASSERT_TRUE(at.moved_instead.has_value()) << has_stood;
+    EXPECT_NEAR(core::angleDifference(at.moved_instead->phi, at.T_true.phi), 0, 0.05) << has_stood;
+    EXPECT_LT(core::distance(*at.moved_instead, at.T_true), 0.05) << has_stood;
   }
 }
 
 TEST(Sweep, OdometryIsBelievedWhereTheRobotBeginsToMove) {
-  EXPECT_EQ(skewAtSlip(0, true), skewAtSlip(0, false));
+  EXPECT_EQ(atSlip(0, true).skew_m, atSlip(0, false).skew_m);
+  EXPECT_FALSE(atSlip(0, true).moved_instead.has_value());
 }
 
 }  // namespace
