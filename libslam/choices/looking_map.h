@@ -22,8 +22,6 @@ class LookingMap {
   const paths::FreeSpace& space() const { return space_; }
   /// Of space(), ascending.
   const std::vector<std::size_t>& frontierCells() const { return frontier_cells_; }
-  /// Of the newest map, ascending.
-  const std::vector<std::size_t>& frontierCellsOfMap() const { return of_map_.cells(); }
 
  private:
   paths::FreeSpace space_;

@@ -8,8 +8,8 @@
 
 namespace slam::choices {
 
-/// A set of places that lie side by side, as bits in tiles of 64 x 64: a place takes some bits, where
-/// a hash table takes 40 bytes, and most questions meet a tile that is at hand.
+/// A set of places that lie side by side, as bits in tiles of 64 x 64: instead of a node of a
+/// hash table each, and most questions meet a tile that is at hand.
 class PlaceSet {
  public:
   void insert(core::PlaneCell place) { tiles_[tileOf(place)][rowIn(place)] |= bitOf(place); }

@@ -18,6 +18,7 @@ inline std::int64_t cellOnLine(double cells) {
   return static_cast<std::int64_t>(std::floor(cells));
 }
 
+/// The cell of side cell_m that holds a point, both in metres and the point in the frame of the grid.
 inline PlaneCell planeCell(const Point2& p, double cell_m) {
   return cellOnLine(p.y / cell_m) * (PlaneCell{1} << 32) + cellOnLine(p.x / cell_m);
 }

@@ -89,7 +89,7 @@ scanmatch::MatchResult ScanDeskewer::matched(const lidar::Scan& deskewed, const 
 }
 
 /// By the motion that odometry gives, or the last one goes on where that explains more (wheels slip); of a
-/// short sweep each as the scan before corrects it.
+/// short sweep each as the scan before corrects it, of a long one with other turns where neither is enough.
 lidar::Scan ScanDeskewer::deskewedByMatch(const StepHistory& history, const lidar::Scan& scan,
                                           const core::Pose2& T_previous_robot, double period_s,
                                           const lidar::Sweep& sweep) {

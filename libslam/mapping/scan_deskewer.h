@@ -29,7 +29,8 @@ class ScanDeskewer {
                                       std::optional<lidar::Sweep> sweep, const core::Pose2& T_previous_robot,
                                       bool has_odometry);
   /// How the robot moved up to the scan of the last call, where that showed that wheels had slipped in a long
-  /// sweep: by the match of the scan to the one before. Nothing where odometry holds.
+  /// sweep: by the match of the scan to the one before, as T_previous_robot has it (m, rad). Nothing where
+  /// odometry holds.
   const std::optional<core::Pose2>& movedInstead() const { return moved_instead_; }
   const SweptScans& counts() const { return counts_; }
 

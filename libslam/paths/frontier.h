@@ -29,8 +29,8 @@ std::vector<std::size_t> frontierCells(const FreeSpace& space);
 /// were all of them, these are all. REQUIRES no cell on the raster's edge.
 std::vector<std::size_t> frontierCellsAmong(const FreeSpace& space, const std::vector<std::size_t>& cells);
 
-/// The frontier cells of a map that grows, kept from one state of it to the next, so that their cost does not
-/// grow with the map.
+/// The frontier cells of a map that grows, kept from one state of it to the next: only rows with changed
+/// cells, and those beside them, are looked at anew.
 class FrontierCells {
  public:
   /// `changed` holds every cell whose state is another than at the call before. The first time, and of a map

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -101,7 +102,17 @@ std::vector<Step> repeated(const std::vector<Step>& steps, int times) {
   return all;
 }
 
-/// A drive through rooms and corridors for each estimator; and one that nobody would make.
+/// As the fuzzer found it: among its readings are finite ones of 3e38 m, of which an index overflowed.
+constexpr std::uint8_t kReadingOf1e38_m[] = {
+    255, 79, 60, 255, 0, 120, 19, 9, 20, 4,  145, 77, 251, 90, 69, 3, 100, 3,  254, 30, 178, 128, 64, 107,
+    3,   80, 20, 4,   3, 78,  20, 4, 4,  90, 25,  8,  3,   80, 20, 4, 3,   78, 20,  4,  4,   90,  89, 8,
+    3,   80, 20, 4,   3, 78,  20, 4, 4,  90, 25,  8,  3,   80, 20, 4, 3,   78, 20,  4,  4,   90,  25, 8,
+    3,   80, 20, 4,   3, 78,  20, 4, 4,  90, 25,  8,  3,   80, 20, 4, 3,   78, 20,  4,  4,   90,  25, 8,
+    3,   80, 20, 4,   3, 78,  20, 4, 4,  90, 25,  8,  3,   80, 20, 4, 3,   78, 20,  4,  4,   90,  25, 8,
+    3,   80, 20, 4,   3, 78,  20, 4, 4,  90, 25,  8,  3,   80, 20, 4, 3,   78, 20,  4,  4,   90,  25, 8,
+    3,   80, 20, 4,   3, 78,  20, 4, 4,  90, 25,  14, 0,   0,  0,  7, 0,   0,  0,   35, 70};
+
+/// A drive through rooms and corridors for each estimator; and two that nobody would make.
 void writeDrives(const std::string& folder) {
   const auto write = [&folder](const std::string& name, const std::vector<std::uint8_t>& head,
                                const std::vector<std::vector<Step>>& parts) {
@@ -123,6 +134,7 @@ void writeDrives(const std::string& folder) {
   const std::vector<Step> spoilt = {{19, 9, 20, 4}, {145, 77, 251, 90}, {69, 3, 100, 3},
                                     {14, 0, 0, 0},  {7, 0, 0, 0},       {35, 70, 20, 4}};
   write("spoilt", {255, 79, 60, 255, 0, 120}, {repeated(spoilt, 8)});
+  write("reading_of_1e38_m", {std::begin(kReadingOf1e38_m), std::end(kReadingOf1e38_m)}, {});
 }
 
 }  // namespace
