@@ -21,6 +21,7 @@
 #include "libslam/files/files.h"
 #include "libslam/files/memory_guard.h"
 #include "libslam/files/ros_map.h"
+#include "libslam/files/trial_run.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/gridmap/mrpt_grid.h"
 #include "libslam/lidar/mrpt_types.h"
@@ -142,9 +143,11 @@ gridmap::OccupancyRaster readGridMap(const std::string& path) {
   files::requireReadableFile(path);
   COccupancyGridMap2D grid;
   try {
-    const files::MemoryGuard guard(files::fileHeadroomBytes(path));
-    mrpt::io::CFileGZInputStream file(path);
-    mrpt::serialization::archiveFrom(file) >> grid;
+    files::doTried([&] {
+      const files::MemoryGuard guard(files::fileHeadroomBytes(path));
+      mrpt::io::CFileGZInputStream file(path);
+      mrpt::serialization::archiveFrom(file) >> grid;
+    });
   } catch (const std::bad_alloc&) {
     throw core::InputError(path + ": found a grid of impossible size, expected an MRPT occupancy grid");
   } catch (const std::length_error&) {
@@ -159,9 +162,11 @@ mrpt::maps::CSimpleMap loadSimpleMap(const std::string& path) {
   files::requireReadableFile(path);
   mrpt::maps::CSimpleMap map;
   try {
-    const files::MemoryGuard guard(files::fileHeadroomBytes(path));
-    mrpt::io::CFileGZInputStream file(path);  // not loadFromFile(), which says nothing of why it fails
-    mrpt::serialization::archiveFrom(file) >> map;
+    files::doTried([&] {
+      const files::MemoryGuard guard(files::fileHeadroomBytes(path));
+      mrpt::io::CFileGZInputStream file(path);  // not loadFromFile(), which says nothing of why it fails
+      mrpt::serialization::archiveFrom(file) >> map;
+    });
   } catch (const std::bad_alloc&) {
     throw core::InputError(path + ": found key frames of impossible size, expected an MRPT simplemap");
   } catch (const std::length_error&) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "libslam/files/files.h"
+#include "libslam/files/trial_run.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/rawlogs/unpacking_stream.h"
 
@@ -25,7 +26,10 @@ void requireUndamaged(const std::string& path);
 /// number of objects read before.
 class RawlogObjects : public objects::ObjectSource {
  public:
-  explicit RawlogObjects(const std::string& path);
+  /// Whether a copy of this process reads first, from an object on that MRPT may crash at. It goes on to the
+  /// end of the log: such a log is read twice.
+  enum class Trial { kWhereNeeded, kNone };
+  explicit RawlogObjects(const std::string& path, Trial trial = Trial::kWhereNeeded);
   /// Objects that MRPT stores as null pointers are passed over.
   std::shared_ptr<mrpt::serialization::CSerializable> next() override;
   std::uint64_t count() const override { return count_; }
@@ -37,9 +41,12 @@ class RawlogObjects : public objects::ObjectSource {
 
  private:
   void checkHeader();
+  void tryFirst();
   [[noreturn]] void fail(UnpackingStream::Failure failure, const std::string& otherwise = "") const;
 
   std::string path_;
+  Trial trial_;
+  std::unique_ptr<files::TrialRun> trial_run_;  ///< from the first object on that needs it
   UnpackingStream stream_;
   std::string bytes_;
   std::uint64_t count_ = 0;

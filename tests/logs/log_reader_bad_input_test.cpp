@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/obs/CObservationBatteryState.h>
+#include <sys/wait.h>
 
 #include <limits>
 
@@ -220,6 +222,30 @@ TEST(LogReader, RefusesAScanOfImpossibleSizeAsCorrupt) {
         readOutcome(folder / "damaged.rawlog").error.find("impossible size") != std::string::npos ? 1 : 0;
   }
   EXPECT_GE(refused, 1);
+}
+
+// MRPT writes a number of voltages that a file claims to where it has no room for them, and crashes: a copy
+// of this process reads such classes first, and crashes in its place.
+TEST(LogReader, RefusesAnEntryThatMrptCrashesAtAsCorrupt) {
+  const testing::TempFolder folder;
+  mrpt::obs::CObservationBatteryState battery;
+  battery.timestamp = mrptTime(kStart_s);
+  battery.voltageOtherBatteries.setConstant(7, 3.0);
+  {
+    RawObjects log(folder / "a.rawlog");
+    log << battery << rawScan(kStart_s, "L") << battery << rawScan(kStart_s + 1, "L");
+  }
+  auto plain = unpacked(folder / "a.rawlog");
+  writeBytes(plain, folder / "good.rawlog");
+  EXPECT_EQ(readOutcome(folder / "good.rawlog").error, "");
+  EXPECT_EQ(readOutcome(folder / "good.rawlog").entries, 2U);
+  const std::string size("\7\0\0\0", 4);
+  plain.replace(plain.rfind(size), size.size(), "\xFF\xFF\xFF\x7F", 4);
+  writeBytes(plain, folder / "damaged.rawlog");
+  const auto outcome = readOutcome(folder / "damaged.rawlog");
+  EXPECT_EQ(outcome.entries, 1U);
+  EXPECT_THAT(outcome.error, HasSubstr("(an entry that cannot be read), after 2 good entries"));
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "no copy is left";
 }
 
 // Where MRPT expects a distribution it takes nothing else, and copies what it has not got.

@@ -84,5 +84,17 @@ TEST(DamagedMapFiles, KeyFramesOfImpossibleNumberAreOneLine) {
             path + ": found key frames of impossible size, expected an MRPT simplemap");
 }
 
+// MRPT makes room for a scan's beams without a look at whether it got it, and writes there.
+TEST(DamagedMapFiles, AScanOfImpossibleSizeInAKeyFrameIsOneLine) {
+  const testing::TempFolder folder;
+  const std::string path = folder / "map.simplemap";
+  writeKeyFrames({{test::scanRoom({0, 0, 0}, 1, 1155), {0, 0, 0}}}, path);
+  mrpt::maps::CSimpleMap map;
+  ASSERT_TRUE(map.loadFromFile(path));
+  files::writeFileAtomically(path, damaged(bytesOf(map), "CObservation2DRangeScan", bytesOfNumber(1155U),
+                                           bytesOfNumber(0x3FFFFFFFU)));
+  EXPECT_EQ(errorOf([&] { readKeyFrames(path); }), path + ": is no MRPT simplemap");
+}
+
 }  // namespace
 }  // namespace slam::mapping
