@@ -20,6 +20,8 @@
 #include "libslam/draw/map_view.h"
 #include "libslam/draw/page_text.h"
 #include "libslam/files/files.h"
+#include "libslam/files/memory_guard.h"
+#include "libslam/files/trial_run.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/viewer/layers.h"
 
@@ -218,7 +220,14 @@ void addTruthToScene(const core::Trajectory& truth, const world::Plan* plan, con
                      const std::string& file) {
   files::requireReadableFile(file);
   COpenGLScene scene;
-  if (!scene.loadFromFile(file)) throw core::InputError(file + ": is not a scene, expected MRPT's .3Dscene");
+  try {
+    files::doTried([&] {
+      const files::MemoryGuard guard(files::fileHeadroomBytes(file));
+      if (!scene.loadFromFile(file)) throw std::runtime_error("no scene");
+    });
+  } catch (const std::exception&) {
+    throw core::InputError(file + ": is not a scene, expected MRPT's .3Dscene");
+  }
   for (const char* name : {viewer::kPlanLayer, viewer::kTruthLayer})
     if (const auto old = scene.getByName(name)) scene.removeObject(old);
   draw::Window window;

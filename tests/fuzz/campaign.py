@@ -30,6 +30,7 @@ FORMATS = [
     ("rawlog", "plain.rawlog", ["info", "{file}"]),
     ("rawlog-run", "plain.rawlog", ["run", "naive", "{file}", "-o", "{out}"]),
     ("rawlog-observations", "observations.rawlog", ["check", "{file}"]),
+    ("rawlog-rare", "rare.rawlog", ["info", "{file}"]),
     ("rawlog-gz", "run.rawlog", ["info", "{file}"]),
     ("rawlog-bz2", "run.rawlog.bz2", ["info", "{file}"]),
     ("rawlog-xz", "run.rawlog.xz", ["info", "{file}"]),
@@ -53,6 +54,7 @@ FORMATS = [
     ("operations", "run.operations.txt", ["plot", "operations", "{file}", "-o", "{out}.png"]),
     ("simplemap", "graph/map.simplemap", ["run", "graph", "{samples}/run.rawlog", "--localise", "{file}", "-o", "{out}"]),
     ("gridmap", "graph/map.gridmap.gz", ["run", "graph", "{samples}/run.rawlog", "--localise", "{file}", "-o", "{out}"]),
+    ("scene", "graph/map.3Dscene", ["eval", "{folder}", "--truth", "{samples}/run.gt.tum"]),
     ("manifest", "graph/manifest.json", ["eval", "{folder}"]),
     ("path", "graph/trajectory.tum", ["eval", "{folder}"]),
     ("result", "graph/manifest.json", ["report", "{folder}", "-o", "{out}.html"]),
@@ -61,6 +63,11 @@ FORMATS = [
     ("comparison", "compared/manifest.json", ["report", "{folder}", "-o", "{out}.html"]),
     ("sweep-plan", "swept/plan.json", ["report", "{folder}", "-o", "{out}.html"]),
 ]
+
+# An observation of another sensor, a battery of two cells, as MRPT writes it: its reader trusts the number of cells.
+BATTERY = bytes.fromhex(
+    "a36d7270743a3a6f62733a3a434f62736572766174696f6e42617474657279537461746502" + "00" * 18 + "02" + "00" * 9 + "0840"
+    + "00" * 6 + "0840" + "00" * 8 + "d15d6d53487fdd0188")
 
 SUITE = """[suite]
 worlds = {samples}/room.png
@@ -116,6 +123,8 @@ def make_samples(program, folder):
         import gzip
         plain = gzip.open(f"{folder}/{name}").read()
         open(f"{folder}/{'plain.rawlog' if name == 'run.rawlog' else name}", "wb").write(plain)
+        if name == "observations.rawlog":
+            open(f"{folder}/rare.rawlog", "wb").write(BATTERY * 3 + plain)
         if name == "run.rawlog":
             import bz2
             import lzma
