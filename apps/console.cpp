@@ -26,6 +26,7 @@ extern "C" void onInterrupt(int signal) {
 }
 
 constexpr std::size_t kTextWidth = 80, kLeastWidth = 40;
+constexpr std::size_t kLongestStage = 100;
 
 /// Of a terminal; 80 where nobody knows.
 std::size_t columnsOf(int descriptor) {
@@ -79,7 +80,7 @@ ConsoleProgress::ConsoleProgress(bool quiet)
 
 void ConsoleProgress::begin(const std::string& stage) {
   const std::lock_guard lock(mutex_);
-  stage_ = stage;
+  stage_ = core::oneLine(stage, kLongestStage);
   is_open_ = true;
   start_ = last_drawn_ = std::chrono::steady_clock::now();
   last_tenth_ = 0;
@@ -129,7 +130,7 @@ void ConsoleProgress::drawBar(double fraction, double log_time_s, bool last) {
   // A line that the terminal would break could not be drawn over.
   const auto room = static_cast<int>(columnsOf(STDERR_FILENO)) - 1;
   const int stage_room = std::clamp(room - static_cast<int>(std::string_view(state).size()), 8, 34);
-  std::string line = stage_;
+  std::string line = core::oneLine(stage_, static_cast<std::size_t>(stage_room));
   line.resize(static_cast<std::size_t>(stage_room), ' ');
   std::fprintf(stderr, "\r\033[K%.*s", room, (line + state).c_str());
   if (last) std::fputc('\n', stderr);

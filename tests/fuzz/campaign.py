@@ -190,9 +190,8 @@ def limits():
 
 def judge(command, work, codes):
     """What the command broke, in words; "" when nothing."""
-    with open(f"{work}/said", "wb") as said:
-        child = subprocess.Popen(command, cwd=work, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=said,
-                                 preexec_fn=limits)
+    with open(f"{work}/said", "wb") as said, open(f"{work}/printed", "wb") as printed:
+        child = subprocess.Popen(command, cwd=work, stdin=subprocess.DEVNULL, stdout=printed, stderr=said, preexec_fn=limits)
         begun, waited = time.monotonic(), 0
         while waited == 0:
             waited, status, usage = os.wait4(child.pid, os.WNOHANG)
@@ -215,12 +214,13 @@ def judge(command, work, codes):
         wrong.append(f"{len(own)} lines of errors")
     if any(len(line) > LONGEST_LINE for line in lines):
         wrong.append(f"a line of {max(map(len, lines))} bytes")
-    if any(not (c == 9 or c == 10 or c == 13 or 32 <= c < 127 or c >= 128) for c in text):
-        wrong.append("control bytes")
-    try:
-        text.decode()
-    except UnicodeDecodeError:
-        wrong.append("bytes that are no UTF-8")
+    for name, what in (("said", text), ("printed", open(f"{work}/printed", "rb").read())):
+        if any(not (c == 9 or c == 10 or c == 13 or 32 <= c < 127 or c >= 128) for c in what):
+            wrong.append(f"control bytes {name}")
+        try:
+            what.decode()
+        except UnicodeDecodeError:
+            wrong.append(f"bytes that are no UTF-8 {name}")
     if wrong and own:
         wrong.append("it said: " + own[0][:200].decode(errors="backslashreplace"))
     return ", ".join(wrong)
