@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "apps/console.h"
+#include "apps/printed_text.h"
 #include "apps/quiet.h"
 #include "apps/stream_output.h"
 #include "libslam/core/error.h"
@@ -134,8 +135,7 @@ std::string resumeText(const CLI::App& app, const std::vector<std::string>& comm
 
 /// What was printed has to arrive: a full disk behind standard output is a failure like any other.
 int flushed(int exit_code) {
-  std::cout.flush();
-  if (std::cout.good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
+  if (flushPrintedText()) return exit_code;
   std::fprintf(stderr, "rasterslam: standard output: cannot be written: %s\n", std::strerror(errno));
   return exit_code == 0 ? code(ExitCode::kFailed) : exit_code;
 }
@@ -175,6 +175,7 @@ int runProgram(CLI::App& app, Context& context) {
   std::vector<const char*> argv;
   argv.reserve(command_line.size());
   for (const auto& word : command_line) argv.push_back(word.c_str());
+  printText();
   catchInterrupts();
   endWithParent();
   cv::setUseOptimized(false);  // which picks other instructions, and so other last bits, on other processors

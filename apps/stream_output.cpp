@@ -4,12 +4,11 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <iostream>
 
 #include "apps/commands.h"
+#include "apps/printed_text.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 
@@ -24,8 +23,7 @@ class PrintsAside {
       throw core::IoError("standard output: cannot be written: " + std::string(std::strerror(errno)));
   }
   ~PrintsAside() {
-    std::cout.flush();
-    std::fflush(stdout);
+    flushPrintedText();
     dup2(output_, STDOUT_FILENO);
     close(output_);
   }
@@ -40,9 +38,7 @@ void copyToOutput(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::array<char, 1 << 16> buffer;
   while (file.read(buffer.data(), buffer.size()), file.gcount() > 0)
-    if (std::fwrite(buffer.data(), 1, static_cast<std::size_t>(file.gcount()), stdout) !=
-        static_cast<std::size_t>(file.gcount()))
-      throw core::IoError("standard output: cannot be written: " + std::string(std::strerror(errno)));
+    writeOutput({buffer.data(), static_cast<std::size_t>(file.gcount())});
 }
 
 }  // namespace

@@ -40,7 +40,27 @@ std::size_t letterLength(std::string_view text) {
   return is_wrong ? 0 : length;
 }
 
+std::string escaped(char byte) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  const auto value = static_cast<unsigned char>(byte);
+  return {'\\', 'x', kDigits[value >> 4U], kDigits[value & 15U]};
+}
+
 }  // namespace
+
+std::string printable(std::string_view text) {
+  std::string shown;
+  shown.reserve(text.size());
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = text[i] == '\n' || text[i] == '\t' ? 1 : letterLength(text.substr(i));
+    if (length > 0)
+      shown += text.substr(i, length);
+    else
+      shown += escaped(text[i]);
+    i += std::max<std::size_t>(length, 1);
+  }
+  return shown;
+}
 
 std::string oneLine(std::string_view message, std::size_t most) {
   constexpr std::string_view kLeftOut = " ... ";
@@ -49,12 +69,10 @@ std::string oneLine(std::string_view message, std::size_t most) {
   std::size_t bytes = 0;
   for (std::size_t i = 0; i < message.size();) {
     const std::size_t length = letterLength(message.substr(i));
-    const auto byte = static_cast<unsigned char>(message[i]);
-    if (byte == '\n' || byte == '\t' || byte == '\r') {
+    if (message[i] == '\n' || message[i] == '\t' || message[i] == '\r') {
       pieces.emplace_back(" ");
     } else if (length == 0) {
-      constexpr const char* kDigits = "0123456789abcdef";
-      pieces.push_back({'\\', 'x', kDigits[byte >> 4U], kDigits[byte & 15U]});
+      pieces.push_back(escaped(message[i]));
     } else {
       pieces.emplace_back(message.substr(i, length));
     }

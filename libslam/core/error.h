@@ -56,6 +56,10 @@ class Interrupted : public std::runtime_error {
 /// `most` bytes loses its middle ("...").
 std::string oneLine(std::string_view message, std::size_t most = 300);
 
+/// A text as a terminal can show it: control bytes but line breaks and tabs, and what is no UTF-8, become
+/// hexadecimal escapes ("\x1b").
+std::string printable(std::string_view text);
+
 /// "; did you mean 'x'?" for the candidate nearest to word by edit distance, or "" when none is near
 /// (more than a third of its letters, rounded up, would have to change).
 std::string didYouMean(std::string_view word, const std::vector<std::string>& candidates);

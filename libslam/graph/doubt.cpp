@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
@@ -147,9 +148,11 @@ std::vector<int> GraphSlam::keyframesBeforeDoubt(const Pose2& T_map_robot) const
   return before;
 }
 
-/// Whether more points than these were known before the doubt. Of a yard in which the lidar reaches nothing,
-/// or one post, a map holds too little for a robot to be lost from it.
-bool GraphSlam::isMoreKnownBefore(std::size_t points) const {
+/// Whether there was a map before the doubt: one that had explained a scan, and holds more points than these.
+/// Of a yard in which the lidar reaches nothing, or one post, a map holds too little for a robot to be lost
+/// from it; and what a first scan saw is no map when none after it fits.
+bool GraphSlam::isKnownBefore(std::size_t points) const {
+  if (doubt_.explained_before == 0) return false;
   std::size_t known = 0;
   for (int k = doubt_.begins - 1; k >= 0 && known <= points; --k)
     if (map_->componentOf(k) == map_->componentOf(doubt_.begins)) known += map_->keyframe(k).points.size();
@@ -165,7 +168,7 @@ keyframes::Trust GraphSlam::weighDoubt(const Pose2& T_before, const keyframes::B
     // The robot has left what was known before, or never knew as much as it sees now: nothing will prove it
     // any more.
     const bool is_left = doubt_.untold_m > options_.map_radius_m && !lost_.isLost();
-    if (is_left || !isMoreKnownBefore(points)) endDoubt();
+    if (is_left || !isKnownBefore(points)) endDoubt();
     return keyframes::Trust::kWell;
   }
   if (!lost_.isInDoubt()) {
@@ -186,6 +189,7 @@ keyframes::Trust GraphSlam::weighDoubt(const Pose2& T_before, const keyframes::B
 void GraphSlam::beginOwnMap() {
   forgetWheels();
   doubt_.begins = map_->size();
+  doubt_.explained_before = std::exchange(explained_here_, 0);
   doubt_.maps = std::make_shared<keyframes::LevelMaps>(maps_);
   doubt_.T_map_robot = currentPose();
   map_keyframes_.clear();
@@ -199,6 +203,7 @@ void GraphSlam::comeBack(const lidar::Scan& scan, std::vector<PatchPoint> points
   const Eigen::Matrix3d information = doubt_.information;
   const int before = map_->keyframeBefore(doubt_.begins), k = map_->size();
   forgetWheels();
+  explained_here_ = doubt_.explained_before;
   map_keyframes_ = keyframes::firstOf(keyframesBeforeDoubt(T_map_robot), kAsked);
   T_keyframe_robot_ = core::between(map_->pose(anchor_), T_map_robot);
   noteEvidence(points, T_map_robot, doubt_.maps->fine);
@@ -215,6 +220,7 @@ void GraphSlam::comeBack(const lidar::Scan& scan, std::vector<PatchPoint> points
 /// The doubt ends without an answer: what was mapped meanwhile is a part of the rest.
 void GraphSlam::endDoubt() {
   map_->link(map_->keyframeBefore(doubt_.begins), doubt_.begins);
+  explained_here_ += doubt_.explained_before;
   lost_.dismiss();
   doubt_ = {};
   held_back_ = 0;

@@ -73,6 +73,7 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
     const keyframes::Break seam = breakBefore(scan, points, increment, matched, has_odometry);
     lookWhetherLost(scan, points, step, has_odometry ? increment : matched, seam.contradicted, has_odometry);
     const keyframes::Trust trust = weighDoubt(T_before, seam, points.size(), step);
+    if (trust == keyframes::Trust::kWell && step.score >= options_.recover_score) ++explained_here_;
     step.is_keyframe = trust == keyframes::Trust::kOwnMap ||
                        (trust == keyframes::Trust::kWell && needsKeyframe(scan, points, step));
     if (trust == keyframes::Trust::kBack) {
@@ -114,6 +115,7 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   forgetWheels();
   lost_.restart();
   doubt_ = {};
+  explained_here_ = 1;  // what was given is a map
   is_lost_ = false;
   finder_.endTrail();
   setMapNear(core::position(T_map_robot));

@@ -222,7 +222,7 @@ class GraphSlam {
                        const core::Pose2& increment, double broken, bool has_odometry);
   void learnWrongPlace(const lidar::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
   std::vector<int> keyframesBeforeDoubt(const core::Pose2& T_map_robot) const;
-  bool isMoreKnownBefore(std::size_t points) const;
+  bool isKnownBefore(std::size_t points) const;
   keyframes::Trust weighDoubt(const core::Pose2& T_before, const keyframes::Break& seam, std::size_t points,
                               Step& step);
   void beginOwnMap();
@@ -294,6 +294,7 @@ class GraphSlam {
   double period_s_ = 0, mean_period_s_ = 0;    ///< from the scan before to the last one
   LostDetector lost_;
   keyframes::Doubt doubt_;
+  int explained_here_ = 0;  ///< scans, by the map of the part, since a doubt by that which was made meanwhile
   int held_back_ = 0;                              ///< scans in a row that were not believed
   std::vector<keyframes::KnownPart> known_parts_;  ///< those after the first
   int wrong_places_ = 0;                           ///< that were learnt from

@@ -48,6 +48,7 @@ void GraphSlam::beginKnownPart() {
   for (const auto& pose : map_->graph().poses()) right_m = std::max(right_m, pose.x);
   known_parts_.push_back({{right_m + kApart_m, 0, 0}, {}});
   beginPart(map_->size());
+  explained_here_ = 0;
 }
 
 int GraphSlam::endOfPart(size_t part) const {
