@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "libslam/files/files.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/logs/log_writer.h"
 #include "tests/apps/program.h"
 
@@ -70,6 +71,28 @@ TEST(BadInput, IsQuotedInOneShortLineThatATerminalCanShow) {
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   EXPECT_LE(result.err.size(), 320U);
   EXPECT_EQ(result.err.find('\x1b'), std::string::npos);
+}
+
+// Names come from the shell and from the files themselves; letters may come in pieces of a buffer's size.
+TEST(BadInput, IsPrintedWithoutWhatATerminalWouldObey) {
+  const testing::TempFolder folder;
+  const std::string name = "scan\x1b[31m\xff_\u00fc.rawlog";
+  auto scan = smallScan(0, 31);
+  {
+    mrpt::io::CFileGZOutputStream file(folder / name);
+    auto log = mrpt::serialization::archiveFrom(file);
+    const auto observation = lidar::toMrpt(scan);
+    observation->timestamp = mrpt::Clock::fromDouble(scan.time_s);
+    observation->sensorLabel = "front\x1b]0;\x07";
+    for (int i = 0; i < 9000; ++i) observation->sensorLabel += "\u00fc";
+    log << *observation;
+  }
+  const auto result = rasterslam("info '" + name + "'", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("scan\\x1b[31m\\xff_\u00fc.rawlog"));
+  EXPECT_THAT(result.out, HasSubstr("front\\x1b]0;\\x07"));
+  EXPECT_EQ(result.out.find('\x1b'), std::string::npos);
+  EXPECT_EQ(result.out.find("\\xc3"), std::string::npos) << "letters are whole wherever a buffer ends";
 }
 
 TEST(BadInput, PlansThatAreNone) {

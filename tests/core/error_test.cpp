@@ -5,6 +5,12 @@
 namespace slam::core {
 namespace {
 
+TEST(Printable, KeepsLinesTabsAndLettersAndShowsWhatATerminalWouldObey) {
+  EXPECT_EQ(printable("Straße\ta\nb\n"), "Straße\ta\nb\n");
+  EXPECT_EQ(printable("a\x1b[2J\r\x7f\xff"), "a\\x1b[2J\\x0d\\x7f\\xff");
+  EXPECT_EQ(printable(""), "");
+}
+
 TEST(OneLine, LeavesAMessageAsItIs) {
   EXPECT_EQ(oneLine("Straße.yaml: found '-1', expected a number above 0"),
             "Straße.yaml: found '-1', expected a number above 0");
