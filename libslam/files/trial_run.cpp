@@ -19,6 +19,8 @@ namespace {
 
 constexpr int kLongestSilence_ms = 60'000;
 constexpr std::uint64_t kAllSurvived = ~std::uint64_t{0};
+/// How a copy ends that cannot say how it goes.
+constexpr int kUntold = 77;
 
 /// What a copy must not share with this process: signals that are handled here, its output, and the core file
 /// of a crash that is expected.
@@ -35,9 +37,9 @@ void becomeMortal() {
 [[noreturn]] void workAndExit(const std::function<void(const TrialRun::Tell&)>& work, pid_t parent,
                               int output) {
   becomeMortal();
-  if (getppid() != parent) _exit(1);
+  if (getppid() != parent) _exit(kUntold);
   const auto tell = [output](std::uint64_t steps) {
-    if (write(output, &steps, sizeof steps) != sizeof steps) _exit(1);  // nobody listens
+    if (write(output, &steps, sizeof steps) != sizeof steps) _exit(kUntold);
   };
   try {
     work(tell);
@@ -65,12 +67,19 @@ TrialRun::~TrialRun() {
 }
 
 void TrialRun::end() {
+  if (child_ > 0) kill(child_, SIGKILL);
+  bury();
+}
+
+/// Waits for its end. Returns whether that was a crash.
+bool TrialRun::bury() {
   if (output_ >= 0) close(std::exchange(output_, -1));
-  if (child_ <= 0) return;
-  kill(child_, SIGKILL);
-  while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+  if (child_ <= 0) return false;
+  int status = 0;
+  while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
   }
   child_ = -1;
+  return !WIFEXITED(status) || WEXITSTATUS(status) != kUntold;
 }
 
 bool TrialRun::survives(std::uint64_t index) {
@@ -85,8 +94,10 @@ bool TrialRun::survives(std::uint64_t index) {
       survived_ = steps;
       continue;
     }
-    has_crashed_ = count == 0;
-    end();
+    if (count == 0)
+      has_crashed_ = bury();
+    else
+      end();
   }
   return survived_ > index || !has_crashed_;
 }

@@ -27,6 +27,7 @@ class TrialRun {
 
  private:
   void end();
+  bool bury();
 
   pid_t child_ = -1;
   int output_ = -1;
