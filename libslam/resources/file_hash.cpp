@@ -5,6 +5,7 @@
 #include <array>
 #include <fstream>
 #include <memory>
+#include <new>
 
 #include "libslam/files/files.h"
 
@@ -14,13 +15,14 @@ namespace {
 class Sha256 {
  public:
   Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
-    EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
+    if (!context_) throw std::bad_alloc();
+    require(EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr));
   }
-  void add(const void* data, size_t size) { EVP_DigestUpdate(context_.get(), data, size); }
+  void add(const void* data, size_t size) { require(EVP_DigestUpdate(context_.get(), data, size)); }
   std::string hex() {
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
     unsigned int size = 0;
-    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
+    require(EVP_DigestFinal_ex(context_.get(), digest.data(), &size));
     constexpr const char* kDigits = "0123456789abcdef";
     std::string text;
     for (unsigned int i = 0; i < size; ++i) {
@@ -31,6 +33,10 @@ class Sha256 {
   }
 
  private:
+  /// Of what libcrypto returns: it fails for want of memory alone.
+  static void require(int is_done) {
+    if (is_done != 1) throw std::bad_alloc();
+  }
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
 
