@@ -150,6 +150,21 @@ void endWithParent() {
   unsetenv(process::kParentVariable);
 }
 
+/// Where an exception cannot go on, as from a destructor of a library that finds no memory.
+[[noreturn]] void endAtOnce() {
+  std::string reason = "an exception that nobody can take";
+  try {
+    if (const auto exception = std::current_exception()) std::rethrow_exception(exception);
+  } catch (const std::bad_alloc&) {
+    reason = "out of memory";
+  } catch (const std::exception& error) {
+    reason = core::oneLine(error.what());
+  } catch (...) {  // it says nothing
+  }
+  std::fprintf(stderr, "rasterslam: %s\n", reason.c_str());
+  std::_Exit(code(ExitCode::kFailed));
+}
+
 int doCommand(CLI::App& app, Context& context, const std::vector<std::string>& command_line) {
   try {
     return withStreamedOutput(app, context);
@@ -175,6 +190,7 @@ int runProgram(CLI::App& app, Context& context) {
   std::vector<const char*> argv;
   argv.reserve(command_line.size());
   for (const auto& word : command_line) argv.push_back(word.c_str());
+  std::set_terminate(endAtOnce);
   printText();
   catchInterrupts();
   endWithParent();
