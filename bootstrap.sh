@@ -23,7 +23,7 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   sanitize build everything with address and undefined-behaviour sanitizers, and run all tests (an hour and more)
   threads  build the tests of what uses threads with the thread sanitizer, and run them
   tidy     clang-tidy over every source file (an hour and more)
-  attack   build, then fail every call of the system once in every command, and damage files of every format
+  attack   build, then damage files of every format, give every key odd values, and fail every call of the system once in every command
            (ARGUMENTS go to tests/fuzz/campaign.py)
   fuzz     build every reader of files, and the estimators, with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
@@ -208,6 +208,7 @@ case "$verb" in
     cmake --build --preset release --target rasterslam_faults >&2
     attacked=0
     tests/fuzz/campaign.py build/release/apps/rasterslam "${arguments[@]}" || attacked=1
+    tests/fuzz/extremes.py build/release/apps/rasterslam || attacked=1
     tests/faults/faults.py build/release/apps/rasterslam build/release/tests/librasterslam_faults.so || attacked=1
     exit "$attacked"
     ;;

@@ -104,7 +104,7 @@ class Faults:
             return None
         wrong = []
         kind = fault.split(":")[0].rstrip("+")
-        allowed = {0, 1} | ({3} if kind == "open" else set()) | ({4, 6} if name in ("compare", "bench", "plugin") else set())
+        allowed = {0, 1} | ({3} if kind == "open" else set()) | ({4, 6} if name in ("compare", "bench", "plugin") or (name.startswith("run") and kind == "memory") else set())
         if code not in allowed:
             wrong.append(f"exit code {code}")
         lines = [line for line in said.split(b"\n") if line]
