@@ -295,7 +295,7 @@ class GraphSlam {
   LostDetector lost_;
   keyframes::Doubt doubt_;
   int explained_here_ = 0;  ///< scans, by the map of the part, since a doubt by that which was made meanwhile
-  int held_back_ = 0;                              ///< scans in a row that were not believed
+  int held_back_ = 0;       ///< scans in a row that were not believed
   std::vector<keyframes::KnownPart> known_parts_;  ///< those after the first
   int wrong_places_ = 0;                           ///< that were learnt from
   bool is_lost_ = false, is_outside_ = false;      ///< in a finished map
