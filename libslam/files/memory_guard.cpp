@@ -20,7 +20,8 @@
 namespace slam::files {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || RASTERSLAM_HAS_FEATURE(address_sanitizer)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || \
+    RASTERSLAM_HAS_FEATURE(address_sanitizer) || RASTERSLAM_HAS_FEATURE(thread_sanitizer)
 constexpr bool kIsKept = false;
 #else
 constexpr bool kIsKept = true;

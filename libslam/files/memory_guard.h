@@ -9,15 +9,15 @@ namespace slam::files {
 /// that believe the sizes that a damaged file claims. The limit is the process's (setrlimit(2), RLIMIT_AS):
 /// another thread that needs as much at that very moment gets the same error. Where several live at once the
 /// one that was made last sets it, and the last to end lifts it. A limit that is lower already stays. Where
-/// the system does not say how much there is, or under AddressSanitizer, it does nothing.
+/// the system does not say how much there is, or under a sanitizer, it does nothing.
 class MemoryGuard {
  public:
   explicit MemoryGuard(std::uint64_t headroom_bytes);
   ~MemoryGuard();
   MemoryGuard(const MemoryGuard&) = delete;
   MemoryGuard& operator=(const MemoryGuard&) = delete;
-  /// False where it does nothing in this build: AddressSanitizer reserves more addresses than any limit
-  /// leaves.
+  /// False where it does nothing in this build: the sanitizers of addresses and threads reserve more
+  /// addresses than any limit leaves, and end the program where there is no memory.
   static bool isKept();
 };
 
