@@ -42,7 +42,7 @@ COMMANDS = [
     ("info", ["info", f"{S}/run.rawlog"], "", False),
     ("info-bag", ["info", f"{S}/run.bag"], "", False),
     ("check", ["check", f"{S}/run.rawlog"], "", False),
-    ("cut", ["cut", f"{S}/run.rawlog", "--scans", "1..10", "-o", "out.rawlog"], "out.rawlog", False),
+    ("cut", ["cut", f"{S}/run.rawlog", "--from", "0.5", "--to", "2", "-o", "out.rawlog"], "out.rawlog", False),
     ("filter", ["filter", f"{S}/run.rawlog", "--every", "2", "-o", "out.rawlog"], "out.rawlog", False),
     ("plot", ["plot", "map", f"{S}/graph", "-o", "out.png"], "out.png", False),
     ("relations", ["relations", f"{S}/run.gt.tum", "--step", "0.1", "-o", "out.relations"], "out.relations", False),
