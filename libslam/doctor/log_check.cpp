@@ -369,7 +369,8 @@ LogCheck checkLog(const std::string& path, const std::string& lidar, core::Progr
       if (stream.kind == "CObservation2DRangeScan" && stream.label == figures.lidar)
         period_s = stream.median_period_s;
     Matching matching(figures, period_s);
-    visitAll(*source, matching, progress, figures);
+    const std::string broken = visitAll(*source, matching, progress, figures);
+    if (figures.damage.empty()) figures.damage = broken;  // of the machine, at the second reading
     matching.finish();
     progress.end();
   }
@@ -387,7 +388,8 @@ std::vector<calibration::StreamFigures> streamsOf(const std::string& path) {
     void takeOther(const mrpt::serialization::CSerializable& object) override { survey.takeOther(object); }
   } streams;
   const auto source = logs::openLog(path);
-  visitAll(*source, streams, core::silentProgress(), {});
+  const std::string broken = visitAll(*source, streams, core::silentProgress(), {});
+  if (!broken.empty()) throw core::InputError(broken);
   return streams.survey.figures();
 }
 

@@ -83,8 +83,8 @@ struct LogCheck {
 /// later is a finding. Interrupted from `progress`.
 LogCheck checkLog(const std::string& path, const std::string& lidar, core::Progress& progress);
 
-/// The streams of a log alone: one quick pass. A log that breaks off gives what comes before. Errors: as
-/// checkLog().
+/// The streams of a log alone: one quick pass. Errors (InputError): as logs::openLog(), and a log that breaks
+/// off.
 std::vector<calibration::StreamFigures> streamsOf(const std::string& path);
 
 /// The rules alone: what the figures mean and what to do.
