@@ -1,5 +1,6 @@
 #include "libslam/sweep/sweep.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "libslam/core/error.h"
@@ -11,12 +12,23 @@ namespace slam::sweep {
 namespace fs = std::filesystem;
 namespace {
 
+/// A folder in which a sweep was begun that broke off, on a full disk, say, before it had written its plan.
+bool isJustBegun(const std::string& output) {
+  const fs::path cells = fs::path(output) / "cells";
+  if (!fs::is_directory(cells) || !fs::is_empty(cells)) return false;
+  return std::all_of(fs::directory_iterator(output), fs::directory_iterator(), [](const auto& entry) {
+    const auto name = entry.path().filename();
+    return name == "cells" || name == "partial" || name == "suite.ini";
+  });
+}
+
 void prepare(const Sweep& sweep, const SweepRequest& request) {
   const std::string& output = request.output;
   if (fs::exists(output) && !fs::is_directory(output))
     throw core::InputError(output + ": is a file, expected a folder");
   const bool is_ours = fs::exists(output + "/plan.json");
-  if (fs::exists(output) && !fs::is_empty(output) && !is_ours && !fs::exists(output + "/partial"))
+  if (fs::exists(output) && !fs::is_empty(output) && !is_ours && !fs::exists(output + "/partial") &&
+      !isJustBegun(output))
     throw core::InputError(output +
                            ": holds other files and no plan.json, so it is not replaced; remove it first");
   if (is_ours && !request.overwrite && !request.resume)

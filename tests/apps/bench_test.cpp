@@ -76,6 +76,20 @@ TEST_F(Bench, ResumeDoesOnlyWhatIsMissingOrDamaged) {
   EXPECT_EQ(whole, contents(folder / "out"));
 }
 
+// As on a disk that was full: what has not come to a plan is gone on with, what is somebody else's is not.
+TEST_F(Bench, ResumeGoesOnWhereNotEvenThePlanWasWritten) {
+  fs::create_directories(folder / "out/cells");
+  write(folder / "out/suite.ini", "half of");
+  const auto resumed = bench("tiny.ini -o out -q --resume");
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_EQ(resultsOf(folder / "out").size(), 4U);
+
+  fs::create_directories(folder / "other/cells");
+  write(folder / "other/thesis.txt", "years");
+  EXPECT_EQ(bench("tiny.ini -o other -q --resume").exit_code, 3);
+  EXPECT_EQ(files::readTextFile(folder / "other/thesis.txt"), "years");
+}
+
 TEST_F(Bench, ACopyWithOtherBytesOfTheSameSizeShowsWhenAsked) {
   ASSERT_EQ(bench("tiny.ini -o out -q").exit_code, 0);
   const auto run = cellsOf(folder / "out", "run")[0];
