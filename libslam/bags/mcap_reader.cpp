@@ -118,7 +118,7 @@ class McapMessages : public RosMessages {
       const auto crc = reader.number<std::uint32_t>();
       const std::string compression(reader.sized<std::uint32_t>());
       if (!knowsCompression(compression) || compression == "bz2" || compression == "none")
-        throw core::InputError("a chunk compressed as '" + printable(compression) +
+        throw core::InputError("a chunk compressed as '" + shownName(compression) +
                                "', expected lz4, zstd or none");
       const auto packed_size = reader.number<std::uint64_t>();
       auto unpacked = unpack(compression, is_cut ? reader.rest() : reader.take(packed_size), size);
@@ -170,12 +170,12 @@ class McapMessages : public RosMessages {
     const auto id = reader.number<std::uint16_t>();
     const auto schema = reader.number<std::uint16_t>();
     RosChannel channel;
-    channel.topic = printable(reader.sized<std::uint32_t>());
+    channel.topic = shownName(reader.sized<std::uint32_t>());
     const auto encoding = reader.sized<std::uint32_t>();
     channel.encoding = encoding == "ros1" ? RosEncoding::kRos1 : RosEncoding::kCdr;
-    if (encoding != "ros1" && encoding != "cdr") channel.obstacle = "encoded as " + printable(encoding);
+    if (encoding != "ros1" && encoding != "cdr") channel.obstacle = "encoded as " + shownName(encoding);
     const auto found = schemas_.find(schema);
-    if (found != schemas_.end()) channel.type = printable(withoutMsg(found->second));
+    if (found != schemas_.end()) channel.type = shownName(withoutMsg(found->second));
     channels_.emplace(id, std::move(channel));
   }
 

@@ -76,7 +76,7 @@ class Ros1Messages : public RosMessages {
     if (header_.substr(0, kAnyVersion.size()) == kAnyVersion)
       throw core::InputError(
           path + ": a ROS bag of version " +
-          printable(header_.substr(kAnyVersion.size(), header_.find('\n') - kAnyVersion.size())) +
+          shownName(header_.substr(kAnyVersion.size(), header_.find('\n') - kAnyVersion.size())) +
           ", expected 2.0 (`rosbag migrate` turns it into one)");
     throw core::InputError(path + ": not a ROS 1 bag (it does not begin with '#ROSBAG V2.0')");
   }
@@ -133,7 +133,7 @@ class Ros1Messages : public RosMessages {
       is_unfinished_ = fields.number<std::uint64_t>("index_pos") == 0;
       const auto encryptor = fields.find("encryptor");
       if (encryptor && !encryptor->empty())
-        throw core::InputError("encrypted (" + printable(*encryptor) + "), which is not read");
+        throw core::InputError("encrypted (" + shownName(*encryptor) + "), which is not read");
     } else {
       takeInner(op, fields, data_, message);
     }
@@ -170,19 +170,19 @@ class Ros1Messages : public RosMessages {
 
   static RosChannel channelOf(const Fields& record, const Fields& connection) {
     RosChannel channel;
-    channel.topic = printable(record.text("topic"));
-    channel.type = printable(connection.text("type"));
+    channel.topic = shownName(record.text("topic"));
+    channel.type = shownName(connection.text("type"));
     channel.encoding = RosEncoding::kRos1;
     const std::string md5(connection.text("md5sum")), expected = rosMd5(channel.type);
     // '*' is what a recorder writes that never learnt the sum.
-    if (!expected.empty() && md5 != expected && md5 != "*") channel.other_md5 = printable(md5);
+    if (!expected.empty() && md5 != expected && md5 != "*") channel.other_md5 = shownName(md5);
     return channel;
   }
 
   void openChunk(const Fields& fields) {
     const std::string compression(fields.text("compression"));
     if (!knowsCompression(compression) || compression == "zstd" || compression.empty())
-      throw core::InputError("chunks compressed as '" + printable(compression) +
+      throw core::InputError("chunks compressed as '" + shownName(compression) +
                              "', expected none, bz2 or lz4");
     auto unpacked = unpack(compression, data_, fields.number<std::uint32_t>("size"));
     if (!unpacked.complete && !data_is_cut_)

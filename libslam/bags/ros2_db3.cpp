@@ -138,11 +138,11 @@ class Db3Messages : public RosMessages {
     int state = SQLITE_ROW;
     while ((state = sqlite3_step(topics.get())) == SQLITE_ROW) {
       RosChannel channel;
-      channel.topic = printable(text(topics.get(), 1));
-      channel.type = printable(withoutMsg(text(topics.get(), 2)));
+      channel.topic = shownName(text(topics.get(), 1));
+      channel.type = shownName(withoutMsg(text(topics.get(), 2)));
       channel.encoding = RosEncoding::kCdr;
       const auto format = text(topics.get(), 3);
-      if (format != "cdr") channel.obstacle = "serialized as " + printable(format);
+      if (format != "cdr") channel.obstacle = "serialized as " + shownName(format);
       channels_.emplace(sqlite3_column_int64(topics.get(), 0), std::move(channel));
     }
     if (state != SQLITE_DONE) fail();
@@ -165,7 +165,7 @@ class Db3Messages : public RosMessages {
       throw core::InputError(path_ + ": truncated ROS 2 bag: after " + counted(count_, "message") +
                              ": the file is shorter than the database that it holds");
     throw core::InputError(path_ + ": damaged or no ROS 2 bag: after " + counted(count_, "message") +
-                           ": SQLite says '" + printable(sqlite3_errmsg(database_.get())) + "'");
+                           ": SQLite says '" + shownName(sqlite3_errmsg(database_.get())) + "'");
   }
 
   std::string path_;

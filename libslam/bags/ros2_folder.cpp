@@ -87,7 +87,7 @@ FolderContent readMetadata(const std::string& folder) {
     if (key == "compression_mode") compression = value;
   }
   if (storage != "sqlite3" && storage != "mcap")
-    throw core::InputError(path + ": storage_identifier: found '" + printable(storage) +
+    throw core::InputError(path + ": storage_identifier: found '" + shownName(storage) +
                            "', expected sqlite3 or mcap");
   if (!compression.empty() && compression != "NONE" && compression != "none")
     throw core::InputError(path + ": compression_mode: found '" + compression +

@@ -14,7 +14,7 @@ namespace slam::bags {
 
 /// A topic of a bag.
 struct RosChannel {
-  std::string topic;  ///< this and the others: printable()
+  std::string topic;  ///< this and the others: shownName()
   std::string type;   ///< without "/msg"
   RosEncoding encoding = RosEncoding::kRos1;
   /// "" for messages that can be decoded, else why not, such as "encoded as json".
@@ -61,8 +61,8 @@ class RosBagWriter {
 
 std::unique_ptr<objects::ObjectSink> makeRosSink(std::unique_ptr<RosBagWriter> writer);
 
-/// A name from a file as one line can hold it: control characters become '?', the end of a long one "...".
-std::string printable(std::string_view name);
+/// A name from a file as a message can hold it: core::oneLine() of 200 bytes.
+std::string shownName(std::string_view name);
 
 /// "1 message", "3 messages"
 std::string counted(std::uint64_t count, const char* singular);

@@ -77,7 +77,7 @@ class RosObjects : public objects::ObjectSource {
     if (empty_scans_ > 0) add(counted(empty_scans_, "laser scan") + " without readings");
     if (bad_transforms_ > 0) add(counted(bad_transforms_, "transform") + " that is none");
     for (const auto& frame : unmounted_)
-      add("no transform leads to the lidar's frame '" + printable(frame) +
+      add("no transform leads to the lidar's frame '" + shownName(frame) +
           "': it is taken as mounted at the origin");
     add(messages_->remark());
     return text;
@@ -333,12 +333,9 @@ std::unique_ptr<objects::ObjectSource> makeRosSource(const std::string& path, Op
   return std::make_unique<RosObjects>(path, std::move(open), options);
 }
 
-std::string printable(std::string_view name) {
+std::string shownName(std::string_view name) {
   constexpr size_t kMost = 200;
-  std::string text(name.substr(0, kMost));
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7F') c = '?';
-  return name.size() > kMost ? text + "..." : text;
+  return core::oneLine(name, kMost);
 }
 
 std::string counted(std::uint64_t count, const char* singular) {

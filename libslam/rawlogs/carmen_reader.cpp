@@ -254,7 +254,7 @@ void CarmenParser::take(std::string_view line, Objects& objects) {
   } else {
     constexpr size_t kMostKinds = 100;  // text that is no CARMEN log after all has a new "kind" in every line
     if (kind[0] != '#' && !isKnown(kind)) {
-      const std::string name = printable(kind);
+      const std::string name = shownWord(kind);
       ++skipped_[skipped_.size() < kMostKinds || skipped_.count(name) > 0 ? name : "..."];
     }
     takeText(line, objects);

@@ -15,19 +15,17 @@ constexpr double kYear10000_s = 253'402'300'800.0;
 
 }  // namespace
 
-std::string printable(std::string_view word) {
-  constexpr size_t kMost = 40;
-  std::string text;
-  for (const char c : word.substr(0, kMost)) text += c < 32 || c == 127 ? '?' : c;
-  return text + (word.size() > kMost ? "..." : "");
-}
-
 bool isBlank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
 }
 
+std::string shownWord(std::string_view word) {
+  constexpr size_t kMost = 40;
+  return core::oneLine(word, kMost);
+}
+
 std::string quoted(std::string_view word) {
-  return "'" + printable(word) + "'";
+  return "'" + shownWord(word) + "'";
 }
 
 bool parse(std::string_view word, double& value) {

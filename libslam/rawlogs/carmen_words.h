@@ -26,8 +26,8 @@ class CarmenWords {
   std::string_view rest_;
 };
 
-/// For messages: what cannot be printed as a question mark; the second in marks.
-std::string printable(std::string_view word);
+/// For messages: core::oneLine() of 40 bytes; the second in marks.
+std::string shownWord(std::string_view word);
 std::string quoted(std::string_view word);
 /// The whole word as a finite number; false otherwise.
 bool parse(std::string_view word, double& value);
