@@ -38,7 +38,7 @@ class SharedPieces {
     pieces_.back().own().push_back(std::move(element));
   }
 
-  class const_iterator {
+  class Iterator {
    public:
     using iterator_category = std::bidirectional_iterator_tag;
     using value_type = T;
@@ -46,29 +46,29 @@ class SharedPieces {
     using pointer = const T*;
     using reference = const T&;
 
-    const_iterator() = default;
-    const_iterator(const SharedPieces& all, std::size_t i) : all_(&all), i_(i) {}
+    Iterator() = default;
+    Iterator(const SharedPieces& all, std::size_t i) : all_(&all), i_(i) {}
     reference operator*() const { return (*all_)[i_]; }
     pointer operator->() const { return &(*all_)[i_]; }
-    const_iterator& operator++() {
+    Iterator& operator++() {
       ++i_;
       return *this;
     }
-    const_iterator& operator--() {
+    Iterator& operator--() {
       --i_;
       return *this;
     }
-    bool operator==(const const_iterator& other) const { return i_ == other.i_; }
-    bool operator!=(const const_iterator& other) const { return i_ != other.i_; }
+    bool operator==(const Iterator& other) const { return i_ == other.i_; }
+    bool operator!=(const Iterator& other) const { return i_ != other.i_; }
 
    private:
     const SharedPieces* all_ = nullptr;
     std::size_t i_ = 0;
   };
-  const_iterator begin() const { return {*this, 0}; }
-  const_iterator end() const { return {*this, size()}; }
-  std::reverse_iterator<const_iterator> rbegin() const { return std::make_reverse_iterator(end()); }
-  std::reverse_iterator<const_iterator> rend() const { return std::make_reverse_iterator(begin()); }
+  Iterator begin() const { return {*this, 0}; }
+  Iterator end() const { return {*this, size()}; }
+  std::reverse_iterator<Iterator> rbegin() const { return std::make_reverse_iterator(end()); }
+  std::reverse_iterator<Iterator> rend() const { return std::make_reverse_iterator(begin()); }
 
  private:
   std::vector<SharedPart<std::vector<T>>> pieces_;

@@ -17,25 +17,58 @@ std::vector<core::Point2> returnsOf(const lidar::Scan& scan) {
   return returns_lidar;
 }
 
+/// Scans one after the other at the poses of a path.
+class Placing {
+ public:
+  Placing(const core::Trajectory& path, const world::Plan& map, core::Progress& progress)
+      : path_(path), scans_(map), progress_(progress) {
+    progress_.begin("placing the scans");
+  }
+
+  /// The next pose is that of the scans to come.
+  void begin() {
+    if (at_ == path_.size()) throw core::ContractError("selfScore: more scans than poses");
+    ++at_;
+  }
+  void add(const lidar::Scan& scan) { scans_.add(path_[at_ - 1].pose * scan.T_robot_lidar, returnsOf(scan)); }
+  void update(double fraction) { progress_.update(fraction, path_[at_ - 1].time_s - path_.front().time_s); }
+  SelfScore score() {
+    if (at_ != path_.size()) throw core::ContractError("selfScore: fewer scans than poses");
+    progress_.end();
+    return {metrics::pointSharpness(scans_.points()), scans_.agreement()};
+  }
+
+ private:
+  const core::Trajectory& path_;
+  metrics::PlacedScans scans_;
+  core::Progress& progress_;
+  size_t at_ = 0;
+};
+
 }  // namespace
+
+SelfScore selfScore(logs::KeptScans& kept, const core::Trajectory& path, const world::Plan& map,
+                    core::Progress& progress) {
+  Placing placing(path, map, progress);
+  for (size_t entry = 0; const auto scans = kept.next(); ++entry) {
+    placing.begin();
+    for (const auto& scan : *scans) placing.add(scan);
+    placing.update(static_cast<double>(entry + 1) / static_cast<double>(path.size()));
+  }
+  return placing.score();
+}
 
 SelfScore selfScore(const std::string& log_path, const core::Trajectory& path, const world::Plan& map,
                     core::Progress& progress, const std::string& lidars, bool reads_ahead) {
   logs::ReadAhead log(log_path, lidars, reads_ahead);
-  metrics::PlacedScans scans(map);
-  progress.begin("placing the scans");
-  size_t scan = 0;
+  Placing placing(path, map, progress);
   while (const auto entry = log.next()) {
-    if (scan == path.size()) throw core::ContractError("selfScore: more scans than poses");
-    scans.add(path[scan].pose * entry->scan.T_robot_lidar, returnsOf(entry->scan));
-    for (const auto& other : entry->others)
-      scans.add(path[scan].pose * other.scan.T_robot_lidar, returnsOf(other.scan));
-    progress.update(log.fractionRead(), path[scan].time_s - path.front().time_s);
-    ++scan;
+    placing.begin();
+    placing.add(entry->scan);
+    for (const auto& other : entry->others) placing.add(other.scan);
+    placing.update(log.fractionRead());
   }
-  if (scan != path.size()) throw core::ContractError("selfScore: fewer scans than poses");
-  progress.end();
-  return {metrics::pointSharpness(scans.points()), scans.agreement()};
+  return placing.score();
 }
 
 }  // namespace slam::results

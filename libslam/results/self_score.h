@@ -3,6 +3,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/logs/kept_scans.h"
 #include "libslam/metrics/placed_scans.h"
 #include "libslam/world/plan.h"
 
@@ -14,9 +15,13 @@ struct SelfScore {
   metrics::ScanAgreement agreement;
 };
 
-/// Reads the log once more and places scan i at path[i]; `map` in the map frame (toPlan()). REQUIRES one pose
-/// per scan, in the order of the file (ContractError). `reads_ahead`: by another thread, see logs::ReadAhead.
-/// Errors: as logs::LogReader.
+/// Places scan i at path[i]; `map` in the map frame (toPlan()). REQUIRES one pose per scan, in the order of
+/// the log, and that kept.rewind() was true (ContractError). Errors: as logs::KeptScans.
+SelfScore selfScore(logs::KeptScans& kept, const core::Trajectory& path, const world::Plan& map,
+                    core::Progress& progress);
+
+/// The same, reading the log (once more). `reads_ahead`: by another thread, see logs::ReadAhead. Errors: as
+/// logs::LogReader.
 SelfScore selfScore(const std::string& log_path, const core::Trajectory& path, const world::Plan& map,
                     core::Progress& progress, const std::string& lidars = "", bool reads_ahead = false);
 

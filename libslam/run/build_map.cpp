@@ -12,6 +12,7 @@
 #include "libslam/core/thread_team.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
+#include "libslam/logs/kept_scans.h"
 #include "libslam/logs/read_ahead.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
@@ -88,9 +89,12 @@ bool areGiven(const std::vector<results::StampedCovariance>& covariances) {
 
 /// What is kept of the scans while they come, in the order of the log.
 struct Taken {
+  explicit Taken(const std::string& folder) : scans(folder) {}
+
   std::vector<double> milliseconds, stamps_s;
   lidar::Scan last_scan;
-  double time_s = 0;  ///< of the scan at work, since the first
+  double time_s = 0;      ///< of the scan at work, since the first
+  logs::KeptScans scans;  ///< for the self-score
 };
 
 /// Does a part of the work that a method may fail in, or an interrupt end: run.stopped says so then. The
@@ -141,6 +145,7 @@ void takeIn(logs::ReadAhead& log, mapping::MapBuilder& method, const std::option
     taken.milliseconds.push_back((after_s - before_s) * 1000);
     taken.stamps_s.push_back(stamp_s);
     taken.last_scan = entry->scan;
+    taken.scans.add(*entry);
     run.estimate.push_back({stamp_s, T_map_robot});
     if (covariance) run.covariances.push_back({stamp_s, *covariance});
     progress.update(log.fractionRead(), time_s);
@@ -242,15 +247,17 @@ class Finisher {
 };
 
 /// Holds the scans against the path and the map, and meanwhile, where there are two threads, writes the map.
-void scoreAndDraw(const mapping::MapBuilder& method, const Taken& taken, const std::string& log_path,
+void scoreAndDraw(const mapping::MapBuilder& method, Taken& taken, const std::string& log_path,
                   const std::string& lidars, const BuildOptions& options, const std::string& folder,
                   MapRun& run, Ending& ending, core::Progress& progress) {
   if (!ending.map) return;
   const auto score = [&] {
     if (run.stopped) return;
     stoppable(run, taken, options.keep_partial, [&] {
-      ending.self = results::selfScore(log_path, ending.path, results::toPlan(*ending.map), progress, lidars,
-                                       options.threads > 1);
+      const auto map = results::toPlan(*ending.map);
+      ending.self = taken.scans.rewind() ? results::selfScore(taken.scans, ending.path, map, progress)
+                                         : results::selfScore(log_path, ending.path, map, progress, lidars,
+                                                              options.threads > 1);
     });
   };
   const auto draw = [&] {
@@ -355,7 +362,7 @@ MapRun buildMap(const std::string& log_path, const files::IniFile& method_config
   memory.leaveOut([&] { log.emplace(log_path, external ? "" : method.lidars, options.threads > 1); });
   MapRun run;
   run.commands_from = tellCommands(method, log_path);
-  Taken taken;
+  Taken taken(output.path());
   progress.begin("mapping with " + method_name);
   stoppable(run, taken, options.keep_partial,
             [&] { takeIn(*log, method, external, run, taken, manifest, progress, options.observer); });

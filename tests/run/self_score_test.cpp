@@ -67,6 +67,24 @@ TEST_F(SelfScoring, WantsOnePoseForEveryScan) {
   EXPECT_THROW(scoreOf(path), core::ContractError);
 }
 
+TEST_F(SelfScoring, OfKeptScansIsThatOfTheLog) {
+  logs::KeptScans kept(folder_.path());
+  logs::LogReader reader(log_);
+  while (const auto entry = reader.next()) kept.add(*entry);
+  ASSERT_TRUE(kept.rewind());
+  const auto of_kept = results::selfScore(kept, truth_, plan_, core::silentProgress()),
+             of_log = scoreOf(truth_);
+  EXPECT_EQ(of_kept.sharpness.mean_map_entropy, of_log.sharpness.mean_map_entropy);
+  EXPECT_EQ(of_kept.sharpness.points, of_log.sharpness.points);
+  EXPECT_EQ(of_kept.agreement.on_wall_share, of_log.agreement.on_wall_share);
+  EXPECT_EQ(of_kept.agreement.returns, of_log.agreement.returns);
+
+  core::Trajectory path = truth_;
+  path.pop_back();
+  ASSERT_TRUE(kept.rewind());
+  EXPECT_THROW(results::selfScore(kept, path, plan_, core::silentProgress()), core::ContractError);
+}
+
 TEST_F(SelfScoring, StandsInEveryRunAndInItsTable) {
   const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "rbpf_exact");
   const auto run =
