@@ -27,6 +27,11 @@ constexpr int kLearntSoon = 20;
 constexpr double kShared = 0.6;
 /// In standard deviations of odometry.
 constexpr double kMissed = 4;
+/// Two scans that contradict each other by more than this after what odometry says: something is wrong.
+constexpr double kBroken = 0.5;
+/// Wheels slipped, other than a robot that was carried off, when another motion leaves less than this share
+/// of the contradiction between two scans.
+constexpr double kSlipped = 0.5;
 /// Two scans that contradict each other more than this are matched to each other.
 constexpr double kAskScans = 0.1;
 constexpr int kAsked = keyframes::kAskedViewers;
@@ -51,21 +56,28 @@ double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T
 /// The motion since the scan before by which the two scans contradict each other least, and by how much: as
 /// odometry has it, as matched, or, where these do not fit, as the two scans alone have it.
 keyframes::Break GraphSlam::breakBefore(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
-                                        const Pose2& T_previous_robot, const Pose2& T_previous_matched,
-                                        bool has_odometry) const {
+                                        const Pose2& T_before, const Pose2& T_previous_robot,
+                                        const Pose2& T_previous_matched, bool has_odometry) const {
   if (before() == nullptr || points.empty()) return {T_previous_robot, std::nan("")};
   keyframes::Break best{T_previous_robot, 1};
   const auto consider = [&](const Pose2& T) {
     const double conflict = brokenBy(points, T);
     if (conflict < best.contradicted) best = {T, conflict};
   };
-  // What wheels cannot have missed is a break, however well the scans fit.
+  // What wheels cannot have missed is a break, unless scan, map and the scan before all agree on a slip.
   const keyframes::Prediction odometry = predict(T_previous_robot, has_odometry);
-  const auto isPossible = [&](const Pose2& T) {
-    return core::distance(T, T_previous_robot) < kMissed * odometry.sigma_xy_m &&
-           std::abs(core::angleDifference(T.phi, T_previous_robot.phi)) < kMissed * odometry.sigma_turn_rad;
+  const Pose2 T_backwards{-T_previous_robot.x, -T_previous_robot.y, T_previous_robot.phi};
+  const auto isNear = [&](const Pose2& T, const Pose2& T_odometry) {
+    return core::distance(T, T_odometry) < kMissed * odometry.sigma_xy_m &&
+           std::abs(core::angleDifference(T.phi, T_odometry.phi)) < kMissed * odometry.sigma_turn_rad;
   };
   consider(T_previous_robot);
+  const double by_odometry = best.contradicted;
+  const auto isPossible = [&](const Pose2& T) {
+    if (isNear(T, T_previous_robot) || isNear(T, T_backwards)) return true;
+    return by_odometry > kBroken && isSlip(T, odometry) && brokenBy(points, T) < kSlipped * by_odometry &&
+           toldScore(points, T_before * T) >= options_.lost_score;
+  };
   if (isPossible(T_previous_matched)) consider(T_previous_matched);
   if (best.contradicted > kAskScans)
     if (const auto motion = motionFromScans(scan); motion && isPossible(*motion)) consider(*motion);

@@ -70,7 +70,7 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
     const Pose2 T_before = currentPose();
     step = track(scan, increment, has_odometry, points, information);
     const Pose2 matched = core::between(T_before, step.T_map_robot);
-    const keyframes::Break seam = breakBefore(scan, points, increment, matched, has_odometry);
+    const keyframes::Break seam = breakBefore(scan, points, T_before, increment, matched, has_odometry);
     lookWhetherLost(scan, points, step, has_odometry ? increment : matched, seam.contradicted, has_odometry);
     const keyframes::Trust trust = weighDoubt(T_before, seam, points.size(), step);
     if (trust == keyframes::Trust::kWell && step.score >= options_.recover_score) ++explained_here_;
@@ -100,6 +100,7 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
   records_.push_back({anchor_, T_keyframe_robot_, step.drift_covariance});
   map_->nextScan();
   keepScan(scan);
+  turned_before_rad_ = has_odometry ? std::abs(T_previous_robot.phi) : 0;
   return step;
 }
 
@@ -127,7 +128,8 @@ int GraphSlam::addOdometryEdge(int k) {
   posegraph::Edge edge;
   edge.from = anchor_, edge.to = k;
   edge.T_from_to = odometry_holds_ ? T_odometry_ : core::between(map_->pose(anchor_), map_->pose(k));
-  const double factor = odometry_holds_ ? 1 : kDistrustedFactor;
+  // Across a break nothing tells whether wheels slipped or the robot was carried.
+  const double factor = odometry_holds_ && doubt_.begins != k ? 1 : kDistrustedFactor;
   const double move_m = core::hypot(edge.T_from_to.x, edge.T_from_to.y),
                turn_rad = std::abs(edge.T_from_to.phi);
   edge.information = scanmatch::poseInformation(

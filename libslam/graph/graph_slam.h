@@ -171,6 +171,8 @@ class GraphSlam {
   const keyframes::Seen* before() const;
   keyframes::Prediction predict(const core::Pose2& T_previous_robot, bool has_odometry) const;
   double farthestMove() const;
+  double sigmaOfWheels_rad(const core::Pose2& T_wheels) const;
+  bool isSlip(const core::Pose2& T_previous_robot, const keyframes::Prediction& by_wheels) const;
   std::optional<core::Pose2> motionFromScans(const lidar::Scan& scan) const;
   std::optional<core::Pose2> findMotion(const lidar::Scan& scan) const;
 
@@ -192,8 +194,6 @@ class GraphSlam {
   bool isPoor(const scanmatch::MatchResult& result, const Points& points) const;
   std::pair<scanmatch::MatchResult, bool> bestMatch(const lidar::Scan& scan, const Points& points,
                                                     const keyframes::Expected& expected);
-  std::optional<scanmatch::MatchResult> recover(const Points& points, const core::Pose2& predicted,
-                                                const core::Pose2& matched) const;
   void setMap(const std::vector<int>& near, const core::Point2& centre);
   void setMapHere();
   void setMapNear(const core::Point2& centre);
@@ -206,13 +206,19 @@ class GraphSlam {
                    bool is_believed);
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
 
+  // look_around.cpp: a scan that is poorly explained
+  bool lookAround(const Points& points, const keyframes::Expected& expected, scanmatch::MatchResult& result);
+  std::optional<scanmatch::MatchResult> recover(const Points& points, const core::Pose2& predicted,
+                                                const core::Pose2& matched) const;
+  std::vector<core::Pose2> placesWithinReach(const Points& points, const keyframes::Expected& expected) const;
+
   // explained.cpp: what is known of a scan, and explained
   double toldScore(const Points& points, const core::Pose2& T_map_robot) const;
   double gain(const Points& points, const core::Pose2& T_map_robot, const core::Pose2& T_map_other) const;
 
   // doubt.cpp: whether the robot was kidnapped
   double brokenBy(const Points& points, const core::Pose2& T_previous_robot) const;
-  keyframes::Break breakBefore(const lidar::Scan& scan, const Points& points,
+  keyframes::Break breakBefore(const lidar::Scan& scan, const Points& points, const core::Pose2& T_before,
                                const core::Pose2& T_previous_robot, const core::Pose2& T_previous_matched,
                                bool has_odometry) const;
   keyframes::Told trackBefore(const lidar::Scan& scan, const Points& points, const core::Pose2& increment,
@@ -279,6 +285,7 @@ class GraphSlam {
   wheels::Silence silence_;
   wheels::WaySign way_sign_;
   wheels::SteadyMotion steady_;
+  double turned_before_rad_ = 0;  ///< by odometry, before the scan at hand
   bool odometry_holds_ = true;    ///< since then
   bool is_known_ground_ = false;  ///< under the scan at hand
   ChangeMarks appeared_, gone_;

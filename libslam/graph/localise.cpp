@@ -51,8 +51,8 @@ GraphSlam::Step GraphSlam::localise(const lidar::Scan& scan, const Pose2& T_prev
   } else {
     const Pose2 T_before = currentPose();
     step = track(scan, increment, has_odometry, points, information);
-    const keyframes::Break seam =
-        breakBefore(scan, points, increment, core::between(T_before, step.T_map_robot), has_odometry);
+    const keyframes::Break seam = breakBefore(scan, points, T_before, increment,
+                                              core::between(T_before, step.T_map_robot), has_odometry);
     lookWhetherLost(scan, points, step, increment, seam.contradicted, has_odometry);
     // A robot that has left the map is not searched for: odometry leads it back. What little fits would
     // mislead it; and it is back when a scan fits as a whole.

@@ -17,6 +17,9 @@ constexpr double kLeastPeriod_s = 1e-3, kMostPeriod_s = 2;
 constexpr double kPeriodGain = 0.05;
 /// The motion before goes on, to within what a robot may do otherwise per second, where nothing measures it.
 constexpr double kUnknown_mps = 2.5, kUnknown_radps = 2.5, kUnknownMost = 1;
+/// In standard deviations of wheels: how far a robot goes beside their way, and misses their turn, where they
+/// slip.
+constexpr double kSlipBeside = 4, kSlipTurned = 10;
 /// Two scans are searched for turns of an indoor robot between them up to this speed.
 constexpr double kFastest_radps = 4;
 
@@ -71,6 +74,23 @@ double GraphSlam::farthestMove() const {
   return std::min(kFastest_mps * period_s_, kFarthest_m);
 }
 
+/// Whether wheels that slip may have said such a step of another one: they turn without the robot, which goes
+/// no farther than they do.
+bool GraphSlam::isSlip(const Pose2& T_previous_robot, const keyframes::Prediction& by_wheels) const {
+  const Pose2& T_wheels = by_wheels.T_previous_robot;
+  const double most_m = core::hypot(T_wheels.x, T_wheels.y) + kSlipBeside * by_wheels.sigma_xy_m;
+  return core::hypot(T_previous_robot.x, T_previous_robot.y) <= std::min(most_m, farthestMove()) &&
+         std::abs(core::angleDifference(T_previous_robot.phi, T_wheels.phi)) <=
+             kSlipTurned * by_wheels.sigma_turn_rad;
+}
+
+/// Standard deviation of a step's turn, by what the drive so far showed. Wheels and lidar keep different
+/// time: what wheels say of a turn may belong to the step before or after.
+double GraphSlam::sigmaOfWheels_rad(const Pose2& T_wheels) const {
+  return wheels_.sigmaTurn_rad(
+      {T_wheels.x, T_wheels.y, std::max(std::abs(T_wheels.phi), turned_before_rad_)});
+}
+
 keyframes::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has_odometry) const {
   keyframes::Prediction result;
   result.T_previous_robot = has_odometry ? T_previous_robot : T_previous_robot_;
@@ -78,10 +98,10 @@ keyframes::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has
   const double root = std::sqrt((mean_period_s_ > 0 ? mean_period_s_ : scanmatch::kNominalPeriod_s) /
                                 scanmatch::kNominalPeriod_s);
   result.sigma_xy_m = root * options_.odometry_xy_m + options_.odometry_xy_per_m * core::hypot(T.x, T.y);
-  result.sigma_turn_rad =
-      root * options_.odometry_turn_rad + options_.odometry_turn_per_rad * std::abs(T.phi);
+  const double turn_rad = has_odometry ? std::max(std::abs(T.phi), turned_before_rad_) : std::abs(T.phi);
+  result.sigma_turn_rad = root * options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad;
   if (has_odometry) {
-    result.sigma_turn_rad = std::max(result.sigma_turn_rad, wheels_.sigmaTurn_rad(T));
+    result.sigma_turn_rad = std::max(result.sigma_turn_rad, sigmaOfWheels_rad(T));
   } else {
     result.sigma_xy_m += std::min(kUnknown_mps * period_s_, kUnknownMost);
     result.sigma_turn_rad += std::min(kUnknown_radps * period_s_, kUnknownMost);

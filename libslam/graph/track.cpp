@@ -29,11 +29,12 @@ constexpr double kLetGo = 3;
 /// Where no odometry tells how far the robot went, it is looked for on a lattice of this pitch.
 constexpr double kSlide_m = 0.2;
 constexpr double kStartTurns_rad[] = {-0.15, -0.07, 0.07, 0.15};
+/// Odometry's turn errs by so many of its standard deviations at most.
+constexpr double kTurnedWrong = 4;
+/// Two scans that contradict each other by more than this share after their own motion do not tell it.
+constexpr double kBrokenMotion = 0.3;
 /// And how far it turned, up to this, as stamps of real logs tell little of how fast.
 constexpr double kTurnAbout_rad = 1, kTurnAboutStep_rad = 0.07;
-/// The lattice of recover().
-constexpr int kLatticeTurns = 10, kLatticeSteps = 4;
-constexpr double kLatticeTurn_rad = 0.03, kLatticeStep_m = 0.1, kRecoverGain = 0.05;
 /// Least share of the information along the worst direction of movement; below, a corridor or an open field.
 constexpr double kDegenerate = 0.02;
 
@@ -74,27 +75,6 @@ void GraphSlam::setMapNear(const Point2& centre) {
   setMap(map_->keyframesWithin(centre, options_.map_radius_m), centre);
 }
 
-/// The best pose on a lattice around the predicted one, refined without regard to odometry.
-std::optional<MatchResult> GraphSlam::recover(const std::vector<PatchPoint>& points, const Pose2& predicted,
-                                              const Pose2& matched) const {
-  Pose2 best = matched;
-  const double before = surfelScore(points, maps_.middle, matched, keyframes::kKernel, 2);
-  double best_score = before;
-  for (int turn = -kLatticeTurns; turn <= kLatticeTurns; ++turn)
-    for (int x = -kLatticeSteps; x <= kLatticeSteps; ++x)
-      for (int y = -kLatticeSteps; y <= kLatticeSteps; ++y) {
-        const Pose2 candidate{predicted.x + kLatticeStep_m * x, predicted.y + kLatticeStep_m * y,
-                              predicted.phi + kLatticeTurn_rad * turn};
-        const double score = surfelScore(points, maps_.middle, candidate, keyframes::kKernel, 2, best_score);
-        if (score > best_score) best_score = score, best = candidate;
-      }
-  if (!(best_score > before)) return std::nullopt;
-  PosePrior weak;
-  weak.mean = best;
-  weak.information.diagonal() << 10, 10, 10;
-  return keyframes::match(points, maps_, best, weak, 0, false);
-}
-
 /// What is known of a scan's pose before it is matched.
 keyframes::Expected GraphSlam::expect(const Pose2& T_previous_robot, bool has_odometry) const {
   keyframes::Expected e;
@@ -123,9 +103,16 @@ keyframes::Start GraphSlam::bestStart(const lidar::Scan& scan, const std::vector
   consider(e.T_before * T_previous_robot_);
   consider(e.backwards);
   if (by_wheels_) consider(e.by_wheels);
-  for (const double turn : kStartTurns_rad) {
+  const auto turned = [&](double turn) {
     consider({e.predicted.x, e.predicted.y, e.predicted.phi + turn});
     if (by_wheels_) consider({e.by_wheels.x, e.by_wheels.y, e.by_wheels.phi + turn});
+  };
+  for (const double turn : kStartTurns_rad) turned(turn);
+  if (e.has_odometry) {
+    // As far as wheels err that turn with the robot.
+    const double most = std::min(kTurnedWrong * sigmaOfWheels_rad(e.step.T_previous_robot), kTurnAbout_rad);
+    for (double turn = kStartTurns_rad[3] + kTurnAboutStep_rad; turn <= most; turn += kTurnAboutStep_rad)
+      turned(-turn), turned(turn);
   }
   if (!e.has_odometry) turnAbout(e, consider);
   const bool from_scans =
@@ -210,29 +197,25 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const lidar::Scan& scan,
     const MatchResult free = std::exchange(result, held);
     if (isBetter(free, result, kStartGain, points, e)) result = free;
   }
-  if (start.gain > kStartGain) {
-    const bool contradicted = start.gain > options_.distrust_gain;
+  const auto tryFrom = [&](const Pose2& T_start, double start_gain, bool contradicted) {
     PosePrior elsewhere = prior;
     if (contradicted) {
-      elsewhere.mean = start.T_map_robot;
+      elsewhere.mean = T_start;
       elsewhere.information = scanmatch::poseInformation(3 * sigma_xy + 0.1, 3 * sigma_turn + 0.05);
     }
-    const auto other =
-        keyframes::match(points, maps_, start.T_map_robot, elsewhere, options_.odometry_kernel, true);
-    if (isBetter(other, result, kStartGain, points, e)) {
-      result = other;
-      distrusted = contradicted;
-      if (distrusted) map_->note(core::JournalEvent::kDistrusted, start.gain);
-    }
-  }
-  if (isPoor(result, points)) {
-    const auto other = recover(points, e.predicted, result.T_map_robot);
-    if (other && isBetter(*other, result, kRecoverGain, points, e)) {
-      result = *other;
-      distrusted = true;
-      map_->note(core::JournalEvent::kRematched, result.score);
-    }
-  }
+    const auto other = keyframes::match(points, maps_, T_start, elsewhere, options_.odometry_kernel, true);
+    if (!isBetter(other, result, kStartGain, points, e)) return;
+    result = other;
+    distrusted = contradicted;
+    if (distrusted) map_->note(core::JournalEvent::kDistrusted, start_gain);
+  };
+  if (start.gain > kStartGain) tryFrom(start.T_map_robot, start.gain, start.gain > options_.distrust_gain);
+  // What the map around knows little of, the scan before may know well.
+  if (e.has_odometry && (has_motion_ || isPoor(result, points)))
+    if (const auto motion = motionFromScans(scan);
+        motion && isSlip(*motion, e.step) && brokenBy(points, *motion) < kBrokenMotion)
+      tryFrom(e.T_before * *motion, gain(points, e.T_before * *motion, result.T_map_robot), true);
+  if (isPoor(result, points)) distrusted = lookAround(points, e, result) || distrusted;
   return {result, distrusted};
 }
 
