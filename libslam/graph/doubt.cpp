@@ -76,7 +76,7 @@ keyframes::Break GraphSlam::breakBefore(const lidar::Scan& scan, const std::vect
   const auto isPossible = [&](const Pose2& T) {
     if (isNear(T, T_previous_robot) || isNear(T, T_backwards)) return true;
     return by_odometry > kBroken && isSlip(T, odometry) && brokenBy(points, T) < kSlipped * by_odometry &&
-           toldScore(points, T_before * T) >= options_.lost_score;
+           toldScore(points, T_before * T) >= options_.recover_score;
   };
   if (isPossible(T_previous_matched)) consider(T_previous_matched);
   if (best.contradicted > kAskScans)

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
 #include "tests/graph/drawn_drives.h"
 
@@ -25,11 +29,16 @@ Drive slowly(Drive log) {
   return log;
 }
 
-/// The farthest from the truth that a pose is.
+/// The farthest from the truth that a pose is when its scan has come, metres and radians together.
 double errorIn(const Drive& log) {
   GraphSlam graph{keyframes::GraphOptions()};
-  for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
-  return worstError(graph.poses(), log.truth);
+  double worst = 0;
+  for (size_t i = 0; i < log.scans.size(); ++i) {
+    const core::Pose2 T = graph.process(log.scans[i], log.increments[i], true).T_map_robot;
+    const core::Pose2 off = core::between(log.truth[i], T);
+    worst = std::max(worst, core::hypot(off.x, off.y) + std::abs(off.phi));
+  }
+  return worst;
 }
 
 // What wheels say of a turn belongs in part to the step before, as where odometry leads the scans.
@@ -45,7 +54,7 @@ TEST(Slip, IsNoneWhereWheelsKeepAnotherTimeThanTheLidar) {
 
 // On a straight way, so that wheels are thought good; then they turn and the robot does not, or not so far.
 TEST(Slip, OfATurnIsFollowedByTheScans) {
-  for (const double said_rad : {-0.5, 0.5}) {
+  for (const double said_rad : {-0.28, 0.28}) {
     std::vector<core::Pose2> path;
     for (int i = 0; i < 16; ++i) path.push_back({2 + 0.5 * i, 5, 0});
     auto log = slowly(drive(yard(), path, {}, 0));
