@@ -92,6 +92,7 @@ void drawGoalRun(const ReachGoalRequest& request, const GoalRun& run, const std:
 void drawGoalRuns(const ReachGoalRequest& request, const std::vector<GoalRun>& runs,
                   const std::string& path) {
   std::vector<pictures::DrawnPath> paths;
+  paths.reserve(runs.size() + 1);
   for (const auto& run : runs) paths.push_back({truth::brokenAtCarries(run.truth, run.carries), run.method});
   paths.push_back(goalMark(request.p_world_goal, markSize(request.plan)));
   pictures::drawPlan(request.plan, paths, request.plan.name, path);

@@ -193,7 +193,7 @@ void Recorder::add(const robot::Command& command, const sim::Simulator& simulato
 Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed,
                            resources::Manifest manifest) {
   State& state = *state_;
-  const Recording recording = state.finish(simulator);
+  Recording recording = state.finish(simulator);
   manifest.seed = seed;
   state.describe(recording, manifest);
   resources::writeManifest(manifest, truth::logStem(state.log_path) + ".manifest.json");

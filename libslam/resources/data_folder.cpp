@@ -102,9 +102,9 @@ DataFolders findData(const DataPlaces& places, const std::string& version) {
     if (take(folder)) return installedData(folder);
   if (isBelow(places.code, places.build_folder)) {
     const fs::path source = places.source_folder;
-    const DataFolders data = {(source / "configs").string(), (source / "datasets" / "worlds").string(),
-                              (source / "docs" / "learn").string(),
-                              (source / "datasets" / "public_data.json").string()};
+    DataFolders data = {(source / "configs").string(), (source / "datasets" / "worlds").string(),
+                        (source / "docs" / "learn").string(),
+                        (source / "datasets" / "public_data.json").string()};
     std::error_code error;
     if (fs::is_directory(data.configs, error) && fs::is_directory(data.worlds, error)) return data;
     looked += (looked.empty() ? "" : ", ") + places.source_folder;

@@ -26,7 +26,7 @@ std::string keyFramesOf(const Continuation& continuation, const std::string& log
                         const std::string& output) {
   const std::string& map = continuation.folder;
   if (isGridMap(map)) {
-    const std::string views = output + "/map.simplemap";
+    std::string views = output + "/map.simplemap";
     mapping::writeKeyFrames(viewsOf(loadGridMap(map), lidarReach(log_path), map), views);
     return views;
   }

@@ -92,7 +92,7 @@ bool isGridMap(const std::string& path) {
 
 world::Plan loadGridMap(const std::string& path) {
   if (endsWith(path, ".yaml") || endsWith(path, ".yml")) return world::loadPlan(path);
-  const world::Plan map = results::toPlan(mapping::readGridMap(path));
+  world::Plan map = results::toPlan(mapping::readGridMap(path));
   for (const auto& [cell, name] :
        {std::pair{world::Cell::kFree, "free cells"}, {world::Cell::kOccupied, "walls"}})
     if (std::find(map.cells.begin(), map.cells.end(), cell) == map.cells.end())

@@ -61,7 +61,7 @@ class ScanOdometryLog {
         finish();
     }
     if (ready_.empty()) return nullptr;
-    const auto object = ready_.front();
+    auto object = ready_.front();
     ready_.pop_front();
     ++report_.written;
     return object;

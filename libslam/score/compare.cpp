@@ -106,7 +106,7 @@ std::string logOf(const CompareRequest& request, const std::optional<world::Plan
     manifest.inputs[request.log_path] = resources::fileSha256(request.log_path);
     return request.log_path;
   }
-  const std::string log_path = request.output + "/log/run.rawlog";
+  std::string log_path = request.output + "/log/run.rawlog";
   fs::create_directories(request.output + "/log");
   manifest.inputs[request.plan_path] = resources::fileSha256(request.plan_path);
   record::record(*plan, request.record, request.seed, log_path, manifest, progress);

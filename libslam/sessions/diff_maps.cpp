@@ -87,7 +87,7 @@ MapChanges diffMaps(const std::string& before, const std::string& after, const f
                     core::Progress& progress) {
   files::PendingFolder output(folder, overwrite);
   const MapPair maps = bringTogether(before, after, method_config, progress);
-  const MapChanges changes = findChanges(maps.before, maps.after);
+  MapChanges changes = findChanges(maps.before, maps.after);
   for (const auto& path : {before, after}) {
     const std::string file = run::isGridMap(path) ? path : simplemapOf(path);
     manifest.inputs[file] = resources::fileSha256(file);

@@ -82,6 +82,7 @@ std::string refusal(const Session& session, const loops::PartPlace& place,
            percent(kMostContradicted) + ": is it of another place?";
   progress.begin("looking whether it is a mirror image");
   std::vector<KeyFrame> image;
+  image.reserve(key_frames.size());
   for (const auto& frame : key_frames) image.push_back(mirrored(frame));
   const files::ScratchFolder scratch;
   mapping::writeKeyFrames(image, scratch / "mirrored.simplemap");
@@ -114,7 +115,7 @@ std::vector<Session> findSessions(const std::vector<std::string>& maps) {
 
 std::string simplemapOf(const std::string& path) {
   if (fs::path(path).extension() == ".simplemap") return path;
-  const std::string file = path + "/map.simplemap";
+  std::string file = path + "/map.simplemap";
   if (!fs::is_directory(path) || !fs::exists(file))
     throw core::InputError(path + ": holds no map.simplemap, expected the folder of a run or a .simplemap");
   return file;

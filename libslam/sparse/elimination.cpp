@@ -106,6 +106,7 @@ std::vector<int> Elimination::orderByTree(const std::vector<int>& parent) {
     }
   }
   std::vector<int> order;
+  order.reserve(before.size());
   for (const int k : before) order.push_back(order_[at(k)]);
   order_ = std::move(order);
   position_ = inverted(order_);

@@ -322,7 +322,7 @@ choices::Decision MapStrategy::decideNext(const lidar::Scan& scan, const core::P
   paths::FreeSpace left = looking.space;
   choices::closeTaken(left, team_, options_.unknown_path_m);
   const auto cells = paths::frontierCellsAmong(left, looking.frontier_cells);
-  const choices::Decision mine = decideOn({left, cells}, scan, T_map_robot);
+  choices::Decision mine = decideOn({left, cells}, scan, T_map_robot);
   if (!mine.finished) return mine;
   choices::Decision late = decideOn(looking, scan, T_map_robot);
   if (!choices::isAnyOnItsWay(team_)) return late;

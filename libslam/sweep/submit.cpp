@@ -105,7 +105,7 @@ const std::vector<std::string>& submitEngines() {
 }
 
 std::string writeSubmission(const Sweep& sweep, const SweepRequest& sweep_request,
-                            const SubmitRequest& request, resources::Manifest manifest) {
+                            const SubmitRequest& request, const resources::Manifest& manifest) {
   const auto& engines = submitEngines();
   if (std::find(engines.begin(), engines.end(), request.engine) == engines.end())
     throw core::InputError("--engine: found '" + request.engine + "', expected parallel or slurm" +
@@ -117,11 +117,11 @@ std::string writeSubmission(const Sweep& sweep, const SweepRequest& sweep_reques
     requireOneLine("-o", paths.folder, "\n\r\"\\");
     for (const auto& option : request.options) requireOneLine("--option", option, "\n\r");
   }
-  prepareSweepFolder(sweep, sweep_request, std::move(manifest));
+  prepareSweepFolder(sweep, sweep_request, manifest);
   std::error_code error;
   fs::create_directories(paths.submit, error);
   if (error) throw core::IoError(paths.submit + ": cannot be made: " + error.message());
-  const std::string script = paths.submit + "/submit.sh";
+  std::string script = paths.submit + "/submit.sh";
   files::writeFileAtomically(script, request.engine == "parallel"
                                          ? writeParallel(sweep_request, request, paths)
                                          : writeSlurm(sweep, sweep_request, request, paths));

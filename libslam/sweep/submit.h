@@ -25,6 +25,6 @@ const std::vector<std::string>& submitEngines();
 /// was. Returns the path of submit.sh. The program and the folder must be at the same absolute paths on every
 /// machine. Errors: as sweep(); an unknown engine (InputError).
 std::string writeSubmission(const Sweep& sweep, const SweepRequest& sweep_request,
-                            const SubmitRequest& request, resources::Manifest manifest);
+                            const SubmitRequest& request, const resources::Manifest& manifest);
 
 }  // namespace slam::sweep

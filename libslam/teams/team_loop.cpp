@@ -28,6 +28,7 @@ metrics::ExplorableArea areaFrom(const world::Plan& plan, const core::Pose2& sta
 std::vector<metrics::ExplorableArea> areasOf(const world::Plan& plan, const TeamRequest& request,
                                              const std::vector<core::Pose2>& starts) {
   std::vector<metrics::ExplorableArea> areas;
+  areas.reserve(starts.size());
   for (const auto& start : starts)
     areas.push_back(areas.empty() || !request.T_world_starts.empty()
                         ? areaFrom(plan, start, request.config.record)
