@@ -17,7 +17,7 @@ constexpr double kSame_m = 0.3;
 /// to 2 behind. Straight lines between so many angles err by 1.5e-6 rad at most.
 class AngleOfSquare {
  public:
-  static constexpr int kPieces = 1024;
+  static constexpr int kPieces = 1024, kPiecesAhead = kPieces / 2;
   static constexpr double kError_rad = 2e-6;
 
   AngleOfSquare() {
@@ -56,12 +56,14 @@ Beams::Beams(const lidar::Scan& scan, const core::Pose2& T_robot_points)
 /// The beam, counted from the first, nearest to the direction of a point. As core::atan2() rounded has it,
 /// but that is seldom asked: most directions are farther from the middle between two beams than a table errs.
 long Beams::beamTowards(const Point2& p) const {
-  const double at = (1 - p.x / (std::abs(p.x) + std::abs(p.y))) * (AngleOfSquare::kPieces / 2);
+  const double at = (1 - p.x / (std::abs(p.x) + std::abs(p.y))) * AngleOfSquare::kPiecesAhead;
   if (at < AngleOfSquare::kPieces) {
     const double angle = std::copysign(AngleOfSquare::between(angles_, at), p.y);
     double beam = (angle - scan_.first_angle_rad) * beams_per_rad_;
     beam += beam < 0 ? beams_per_turn_ : 0;
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings): std::lround() is slow, and this is asked of every point
     const long above = static_cast<long>(beam + error_ + 0.5);
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings): the same
     if (above == static_cast<long>(beam - error_ + 0.5)) return above;
   }
   const double angle = core::atan2(p.y, p.x) - scan_.first_angle_rad;

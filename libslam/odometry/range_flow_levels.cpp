@@ -94,7 +94,9 @@ void warp(const Level& moving, const core::Pose2& T, const Level& reference, dou
     const double seen = inverse / std::sqrt(q.x * q.x + q.y * q.y);
     if (sameSurface(last_original, inverse, moving.step_rad, sigma_m) && u > last_u && u - last_u < 8) {
       const double slope = (seen - last_inverse) / (u - last_u);
-      for (double beam = std::ceil(last_u); beam <= u; beam += 1) {
+      const double first = std::ceil(last_u);
+      for (int step = 0; first + step <= u; ++step) {
+        const double beam = first + step;
         const double turned = beam - circle * std::floor((beam + 0.5) / circle);
         const long j = std::lround(turned);
         if (j < 0 || j >= n) continue;

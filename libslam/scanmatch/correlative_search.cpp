@@ -34,14 +34,17 @@ void LikelihoodPyramid::build(const std::vector<core::Point2>& points, double ce
     std::array<double, 2 * kReach + 1> along_x{}, along_y{};
     for (int k = -kReach; k <= kReach; ++k) {
       const double dx = (column + k + 0.5 - px) * cell_m, dy = (row + k + 0.5 - py) * cell_m;
-      along_x[static_cast<size_t>(k + kReach)] = core::exp(-dx * dx / (2 * sigma_m * sigma_m));
-      along_y[static_cast<size_t>(k + kReach)] = 255 * core::exp(-dy * dy / (2 * sigma_m * sigma_m));
+      const int at = k + kReach;
+      along_x[static_cast<size_t>(at)] = core::exp(-dx * dx / (2 * sigma_m * sigma_m));
+      along_y[static_cast<size_t>(at)] = 255 * core::exp(-dy * dy / (2 * sigma_m * sigma_m));
     }
-    for (int r = std::max(row - kReach, 0); r <= row + kReach && r + pad_ < side_y_; ++r)
-      for (int c = std::max(column - kReach, 0); c <= column + kReach && c + pad_ < side_x_; ++c) {
-        const double value = along_x[static_cast<size_t>(c - column + kReach)] *
-                             along_y[static_cast<size_t>(r - row + kReach)];
+    const int first_row = row - kReach, first_column = column - kReach;
+    for (int r = std::max(first_row, 0); r <= row + kReach && r + pad_ < side_y_; ++r)
+      for (int c = std::max(first_column, 0); c <= column + kReach && c + pad_ < side_x_; ++c) {
+        const double value =
+            along_x[static_cast<size_t>(c - first_column)] * along_y[static_cast<size_t>(r - first_row)];
         auto& cell = base[static_cast<size_t>(r + pad_) * side + static_cast<size_t>(c + pad_)];
+        // NOLINTNEXTLINE(bugprone-incorrect-roundings): std::lround() is slow, and the value is not negative
         cell = std::max(cell, static_cast<std::uint8_t>(value + 0.5));
       }
   }
