@@ -81,7 +81,8 @@ Told KeyframeMap::toldBy(const std::vector<int>& viewers, const std::vector<Patc
   Told told;
   if (viewers.empty() || points.empty()) return told;
   const auto add = [](const View& seen, size_t asked, double& passed, double& share) {
-    const double all = static_cast<double>((asked + kStride - 1) / kStride);
+    const size_t taken = (asked + kStride - 1) / kStride;
+    const double all = static_cast<double>(taken);
     passed += seen.passed / all;
     share += (seen.agreed + seen.passed) / all;
   };

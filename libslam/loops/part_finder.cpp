@@ -344,7 +344,7 @@ std::optional<keyframes::Hypothesis> PartFinder::lookForPart(int first, int last
 }
 
 size_t PartFinder::mostShares(int component) {
-  return size_t{4 * keyframes::kHeadings} * placesBeyond(component).size() + kLongestTrail;
+  return size_t{4} * keyframes::kHeadings * placesBeyond(component).size() + kLongestTrail;
 }
 
 void PartFinder::beginTrail() {

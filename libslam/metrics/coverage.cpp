@@ -61,8 +61,10 @@ std::vector<unsigned char> reachableCells(const world::Plan& plan, const core::P
     for (int dx = -1; dx <= 1; ++dx)
       if (plan.contains(column + dx, row + dy)) seeds.push_back(indexOf(plan, column + dx, row + dy));
   auto reachable = grow(plan, seeds, [&](size_t cell) {
-    const double x = static_cast<double>(cell % static_cast<size_t>(plan.columns)) + 0.5;
-    const double y = static_cast<double>(cell / static_cast<size_t>(plan.columns)) + 0.5;
+    const auto columns = static_cast<size_t>(plan.columns);
+    const size_t its_row = cell / columns;
+    const double x = static_cast<double>(cell % columns) + 0.5;
+    const double y = static_cast<double>(its_row) + 0.5;
     return plan.cells[cell] != world::Cell::kOccupied &&
            !world::discCollides(plan, world::cellsToWorld(plan, {x, y}), radius_m);
   });

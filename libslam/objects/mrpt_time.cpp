@@ -12,13 +12,14 @@ namespace {
 constexpr std::int64_t kTicksPerSecond = 10'000'000;
 constexpr std::int64_t kNanosecondsPerTick = 100;
 // From 1601-01-01 to 1970-01-01: 134774 days.
-constexpr std::int64_t kUnixEpochTicks = 134'774LL * 86'400LL * kTicksPerSecond;
+constexpr std::int64_t kUnixEpoch_s = 134'774LL * 86'400LL;
+constexpr std::int64_t kUnixEpochTicks = kUnixEpoch_s * kTicksPerSecond;
 constexpr double kYear10000_s = 253'402'300'800.0;
 
 }  // namespace
 
 std::int64_t mrptTicks(double time_s) {
-  const double earliest_s = -static_cast<double>(kUnixEpochTicks / kTicksPerSecond);
+  const double earliest_s = -static_cast<double>(kUnixEpoch_s);
   if (!(time_s > earliest_s && time_s < kYear10000_s))
     throw core::ContractError("a stamp of " + files::formatNumber(time_s) +
                               " s is outside the years 1601 to 9999");
@@ -31,7 +32,8 @@ std::int64_t mrptTicks(double time_s) {
 
 double secondsFromMrptTicks(std::int64_t ticks) {
   const std::int64_t since_epoch = ticks - kUnixEpochTicks;
-  return static_cast<double>(since_epoch / kTicksPerSecond) +
+  const std::int64_t whole_s = since_epoch / kTicksPerSecond;
+  return static_cast<double>(whole_s) +
          static_cast<double>(since_epoch % kTicksPerSecond) / static_cast<double>(kTicksPerSecond);
 }
 

@@ -53,8 +53,10 @@ std::shared_ptr<mrpt::obs::CActionRobotMovement2D> toMrptAction(const ScanMotion
   const auto& T = motion.T_previous_current;
   mrpt::math::CMatrixDouble33 covariance;
   for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column)
-      covariance(row, column) = motion.covariance[static_cast<size_t>(3 * row + column)];
+    for (int column = 0; column < 3; ++column) {
+      const int k = 3 * row + column;
+      covariance(row, column) = motion.covariance[static_cast<size_t>(k)];
+    }
   auto action = std::make_shared<mrpt::obs::CActionRobotMovement2D>();
   action->timestamp = mrpt::Clock::fromDouble(time_s);
   action->estimationMethod = mrpt::obs::CActionRobotMovement2D::emScan2DMatching;

@@ -77,8 +77,10 @@ std::array<double, 9> motionCovariance(const Directions& directions, double nois
   }
   std::array<double, 9> out{};
   for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column)
-      out[static_cast<size_t>(3 * row + column)] = (covariance(row, column) + covariance(column, row)) / 2;
+    for (int column = 0; column < 3; ++column) {
+      const int k = 3 * row + column;
+      out[static_cast<size_t>(k)] = (covariance(row, column) + covariance(column, row)) / 2;
+    }
   return out;
 }
 

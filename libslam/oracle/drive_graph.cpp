@@ -116,9 +116,9 @@ DriveGraph::DriveGraph(const world::Plan& plan, const core::Point2& start_world,
 
 core::Point2 DriveGraph::pointOf(Node node) const {
   const auto columns = static_cast<std::size_t>(plan_.columns);
-  const std::size_t cell = cellOf(node);
-  return world::cellsToWorld(
-      plan_, {static_cast<double>(cell % columns) + 0.5, static_cast<double>(cell / columns) + 0.5});
+  const std::size_t cell = cellOf(node), row = cell / columns;
+  return world::cellsToWorld(plan_,
+                             {static_cast<double>(cell % columns) + 0.5, static_cast<double>(row) + 0.5});
 }
 
 DriveGraph::Node DriveGraph::nodeAt(std::size_t cell) const {

@@ -18,8 +18,8 @@ constexpr int kRays = 1080;  // one cell and less apart up to 8 m
 template <class See>
 void lookRound(const world::Plan& plan, std::size_t from, double max_range_m, See see) {
   const auto columns = static_cast<std::size_t>(plan.columns);
-  const core::Point2 origin{static_cast<double>(from % columns) + 0.5,
-                            static_cast<double>(from / columns) + 0.5};
+  const std::size_t row = from / columns;
+  const core::Point2 origin{static_cast<double>(from % columns) + 0.5, static_cast<double>(row) + 0.5};
   const double limit =
       max_range_m > 0 ? max_range_m / plan.resolution_m : std::numeric_limits<double>::infinity();
   bool go_on = true;

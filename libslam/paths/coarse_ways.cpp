@@ -47,7 +47,8 @@ CoarseWays::CoarseWays(const PathPlanner& planner, std::size_t most_blocks)
       for (std::size_t d = 0; d < 8; ++d) {
         const int dc = blockAt(column + kColumn[d]) - blockAt(column);
         const int dr = blockAt(row + kRow[d]) - blockAt(row);
-        const std::uint8_t bit = kBitOf[static_cast<std::size_t>(3 * (dr + 1) + dc + 1)];
+        const int neighbour = 3 * (dr + 1) + dc + 1;
+        const std::uint8_t bit = kBitOf[static_cast<std::size_t>(neighbour)];
         if ((open_[block] & bit) != bit && planner.isReached(node + kRow[d] * node_columns_ + kColumn[d]))
           open_[block] |= bit;
       }

@@ -64,8 +64,9 @@ void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_
 
 void SurfelMap::add(const SurfelMap& finer) {
   for (const std::int64_t cell : finer.cells_) {
+    const std::int64_t rows_below = cell / finer.side_;
     const double its_column = static_cast<double>(cell % finer.side_),
-                 its_row = static_cast<double>(cell / finer.side_);
+                 its_row = static_cast<double>(rows_below);
     const double x = finer.origin_.x + (its_column + 0.5) * finer.cell_m_ - origin_.x,
                  y = finer.origin_.y + (its_row + 0.5) * finer.cell_m_ - origin_.y;
     const auto column = static_cast<std::int64_t>(std::floor(x * per_cell_));

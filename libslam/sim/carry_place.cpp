@@ -49,8 +49,9 @@ std::optional<core::Pose2> randomPlace(const world::Plan& plan, const core::Pose
   std::vector<core::Point2> places;
   for (const size_t i : cellsAround(plan, admissible, cell)) {
     const auto columns = static_cast<size_t>(plan.columns);
-    places.push_back(world::cellsToWorld(
-        plan, {static_cast<double>(i % columns) + 0.5, static_cast<double>(i / columns) + 0.5}));
+    const size_t row = i / columns;
+    places.push_back(
+        world::cellsToWorld(plan, {static_cast<double>(i % columns) + 0.5, static_cast<double>(row) + 0.5}));
   }
   return placeOf(places, T_world_from, random);
 }

@@ -154,9 +154,9 @@ bool BlockCholesky::factorizePanel(int s) {
   const long height = panels_[at(s)].height;
   double* const panel = &factor_[panels_[at(s)].begin];
   for (int b = 0; b < supernode.width; ++b) {
-    double* const column = panel + height * 3 * b + 3 * b;
+    double* const column = panel + height * 3 * b + 3L * b;
     const long rows = height / 3 - b;
-    takeOffProduct(panel + 3 * b, height, rows, {panel + 3 * b, 1, height}, 3L * b, column, height,
+    takeOffProduct(panel + 3L * b, height, rows, {panel + 3L * b, 1, height}, 3L * b, column, height,
                    [](long i) { return i; });
     const int k = supernode.first + b;
     const Vector3d original = (1 + damping_) * diagonal_[at(k)].diagonal();

@@ -227,7 +227,8 @@ void drawLegend(Canvas& canvas, double top, const PanelLayout& layout, const Sna
   const double width = kInner / static_cast<double>(layout.legend_columns);
   for (size_t i = 0; i < rows.size(); ++i) {
     const auto& row = rows[i];
-    const double left = kMargin + width * static_cast<double>(i / per_column);
+    const size_t column = i / per_column;
+    const double left = kMargin + width * static_cast<double>(column);
     const double y = first + layout.row_pitch * static_cast<double>(i % per_column);
     const bool is_off = row.key != 0 && hidden.find(row.key) != std::string::npos;
     if (row.key != 0) canvas.text({left, y}, std::string(1, row.key), kTickSize, kInk, Align::kLeft, true);

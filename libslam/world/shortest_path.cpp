@@ -51,9 +51,8 @@ class Search {
   core::Point2 pointOf(size_t index) const {
     if (index == start_) return from_;
     if (index == goal_) return to_;
-    const double column = static_cast<double>(index % plan_.columns) + 0.5,
-                 row = static_cast<double>(index / plan_.columns) + 0.5;
-    return cellsToWorld(plan_, {column, row});
+    const size_t column = index % plan_.columns, row = index / plan_.columns;
+    return cellsToWorld(plan_, {static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5});
   }
 
   bool fits(size_t index) {
