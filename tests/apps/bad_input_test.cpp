@@ -205,7 +205,7 @@ TEST(BadInput, LogsThatAreNone) {
   const std::string whole = files::readTextFile(folder / "good.rawlog");
   std::ofstream(folder / "cut.rawlog", std::ios::binary) << whole.substr(0, whole.size() * 2 / 3);
   std::ofstream(folder / "text.rawlog") << "this is no log\n";
-  std::ofstream(folder / "empty.rawlog");
+  files::writeFileAtomically(folder / "empty.rawlog", "");
   {
     mrpt::io::CFileGZOutputStream file(folder / "no_scans.rawlog");
     auto archive = mrpt::serialization::archiveFrom(file);

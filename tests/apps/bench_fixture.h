@@ -64,11 +64,11 @@ inline std::size_t timesIn(const std::string& text, const std::string& what) {
 
 class Bench : public ::testing::Test {
  protected:
-  void SetUp() override { write(folder / "tiny.ini", kTiny); }
+  void SetUp() override { write(folder_ / "tiny.ini", kTiny); }
   testing::CommandResult bench(const std::string& arguments) {
-    return rasterslam("bench " + arguments, folder.path());
+    return rasterslam("bench " + arguments, folder_.path());
   }
-  testing::TempFolder folder;
+  testing::TempFolder folder_;
 };
 
 }  // namespace slam::apps

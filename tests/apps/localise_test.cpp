@@ -43,26 +43,26 @@ TEST_F(InAPlan, AnotherBuildingIsSaidAfterAMinute) {
       lost.err,
       HasSubstr(
           "other.yaml: the robot is not found in it after 60 s of the log: is it the map of another place?"));
-  EXPECT_TRUE(fs::exists(*folder_ / "astray/trajectory.tum"));
+  EXPECT_TRUE(fs::exists(*shared_folder / "astray/trajectory.tum"));
   EXPECT_THAT(lost.out, HasSubstr("lost 100.0 % of the time"));
 }
 
 TEST_F(InAPlan, AMapWithoutAFreePlaceIsRefused) {
-  files::writeFileAtomically(*folder_ / "full.pgm", "P2\n4 4\n255\n0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0\n");
-  files::writeFileAtomically(*folder_ / "full.yaml",
+  files::writeFileAtomically(*shared_folder / "full.pgm", "P2\n4 4\n255\n0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0\n");
+  files::writeFileAtomically(*shared_folder / "full.yaml",
                              "image: full.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
                              "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
   const auto refused = run("run graph visit.rawlog -o x --localise full.yaml -q");
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_THAT(refused.err, HasSubstr("full.yaml: the picture has no free space"));
-  EXPECT_FALSE(fs::exists(*folder_ / "x"));
+  EXPECT_FALSE(fs::exists(*shared_folder / "x"));
 }
 
 TEST_F(InAPlan, MethodsThatCannotFindItSaySo) {
   const auto refused = run("run icp visit.rawlog -o x --localise plan.yaml -q");
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_THAT(refused.err, HasSubstr("has to be told where in the map the log begins (--start)"));
-  EXPECT_FALSE(fs::exists(*folder_ / "x"));
+  EXPECT_FALSE(fs::exists(*shared_folder / "x"));
 }
 
 TEST_F(InAPlan, AFileThatIsNoMapIsNamed) {
@@ -70,7 +70,7 @@ TEST_F(InAPlan, AFileThatIsNoMapIsNamed) {
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_THAT(refused.err,
               HasSubstr("visit.rawlog: found a file of another kind, expected the folder of a run"));
-  EXPECT_FALSE(fs::exists(*folder_ / "none"));
+  EXPECT_FALSE(fs::exists(*shared_folder / "none"));
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ class AroundMethods : public CommandsInAFolder {
     fill({"simulate corridor -o run.rawlog --duration 20 --set lidar.max_range_m=5 -q"});
   }
   static void write(const std::string& name, const std::string& text) {
-    files::writeFileAtomically(*folder_ / name, text);
+    files::writeFileAtomically(*shared_folder / name, text);
   }
 };
 
@@ -36,7 +36,7 @@ TEST_F(AroundMethods, TheJournalIsPrintedAndDrawn) {
   const auto drawn = run("plot journal graph --json");
   ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
   EXPECT_GT(nlohmann::json::parse(drawn.out)["events"], 0);
-  EXPECT_FALSE(cv::imread(*folder_ / "journal.png").empty());
+  EXPECT_FALSE(cv::imread(*shared_folder / "journal.png").empty());
   const auto json =
       nlohmann::json::parse(run("run graph run.rawlog -o graph --overwrite --journal --json -q").out);
   EXPECT_EQ(json["journal"][0]["place_m"].size(), 2U);
@@ -49,7 +49,7 @@ TEST_F(AroundMethods, AJournalWithNothingToTellIsOneToo) {
   EXPECT_THAT(printed.out, StartsWith("method graph has nothing to tell\n"));
   const auto drawn = run("plot journal still -o still.png");
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
-  EXPECT_TRUE(fs::exists(*folder_ / "still.png"));
+  EXPECT_TRUE(fs::exists(*shared_folder / "still.png"));
 }
 
 TEST_F(AroundMethods, AMethodWithoutAJournalSaysSo) {
@@ -59,15 +59,15 @@ TEST_F(AroundMethods, AMethodWithoutAJournalSaysSo) {
   const auto drawn = run("plot journal naive -o x.png");
   EXPECT_EQ(drawn.exit_code, 3);
   EXPECT_EQ(drawn.err, "rasterslam: naive: holds no journal.csv: method naive_wheel wrote no journal\n");
-  EXPECT_FALSE(fs::exists(*folder_ / "x.png"));
+  EXPECT_FALSE(fs::exists(*shared_folder / "x.png"));
 }
 
 TEST_F(AroundMethods, ARunGoesOnOrOnlyLocalises) {
   ASSERT_EQ(run("run graph run.rawlog -o first -q").exit_code, 0);
   EXPECT_EQ(run("run graph run.rawlog -o second --continue first --start 0,0,0 -q").exit_code, 0);
   EXPECT_EQ(run("run graph run.rawlog -o third --localise first --start 0,0,0 -q").exit_code, 0);
-  EXPECT_EQ(resources::fileSha256(*folder_ / "first/map.simplemap"),
-            resources::fileSha256(*folder_ / "third/map.simplemap"));
+  EXPECT_EQ(resources::fileSha256(*shared_folder / "first/map.simplemap"),
+            resources::fileSha256(*shared_folder / "third/map.simplemap"));
   const auto alone = run("run graph run.rawlog -o x --start 0,0,0 -q");
   EXPECT_EQ(alone.exit_code, 3);
   EXPECT_THAT(alone.err, HasSubstr("--start belongs to --continue or --localise"));
@@ -94,7 +94,7 @@ TEST_F(AroundMethods, APluginIsCheckedAndCompared) {
   const auto compared = run("compare run.rawlog --methods wheels.ini,naive_wheel,bad.ini -o out");
   EXPECT_EQ(compared.exit_code, 4);
   EXPECT_THAT(compared.out, HasSubstr("bad failed: method bad: {output}:1: found the stamp"));
-  EXPECT_THAT(files::readTextFile(*folder_ / "out/scores.csv"), HasSubstr("\nwheels,"));
+  EXPECT_THAT(files::readTextFile(*shared_folder / "out/scores.csv"), HasSubstr("\nwheels,"));
 
   const auto ours = run("plugin check ../none.ini run.rawlog -q");
   EXPECT_EQ(ours.exit_code, 3);
@@ -106,7 +106,7 @@ TEST_F(AroundMethods, AMethodsFileMayNameTheMethodThatItChanges) {
   write("near.ini", "[method]\nbase = graph\n[graph]\nmax_range_m = 4\n");
   const auto ran = run("run near.ini run.rawlog -o near --json -q");
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
-  const auto manifest = nlohmann::json::parse(files::readTextFile(*folder_ / "near/manifest.json"));
+  const auto manifest = nlohmann::json::parse(files::readTextFile(*shared_folder / "near/manifest.json"));
   EXPECT_EQ(manifest["config"]["graph.max_range_m"], "4");
   EXPECT_EQ(manifest["config"]["method.type"], "graph");
   write("nothing.ini", "[method]\nbase = grap\n");
@@ -115,20 +115,21 @@ TEST_F(AroundMethods, AMethodsFileMayNameTheMethodThatItChanges) {
   EXPECT_THAT(unknown.err,
               HasSubstr("nothing.ini:2: key 'base': unknown method 'grap'; did you mean 'graph'?"));
   write("ring.ini", "[method]\nbase = ring.ini\n");
-  EXPECT_THAT(run("run ring.ini " + (*folder_ / "run.rawlog")).err, HasSubstr("expected an end"));
+  EXPECT_THAT(run("run ring.ini " + (*shared_folder / "run.rawlog")).err, HasSubstr("expected an end"));
 }
 
 TEST_F(AroundMethods, AComparisonSetsValuesOfTheMethodsThatHaveThem) {
   const auto ran =
       run("compare run.rawlog -o set --methods naive_wheel,graph --set graph.max_range_m=4 --json -q");
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
-  const auto manifest = nlohmann::json::parse(files::readTextFile(*folder_ / "set/graph/manifest.json"));
+  const auto manifest =
+      nlohmann::json::parse(files::readTextFile(*shared_folder / "set/graph/manifest.json"));
   EXPECT_EQ(manifest["config"]["graph.max_range_m"], "4");
   const auto nobody = run("compare run.rawlog -o nobody --methods naive_wheel --set graph.max_range_m=4");
   EXPECT_EQ(nobody.exit_code, 3);
   EXPECT_THAT(nobody.err,
               HasSubstr("--set: found 'graph.max_range_m=4', expected a section of a method that is"));
-  EXPECT_FALSE(fs::exists(*folder_ / "nobody"));
+  EXPECT_FALSE(fs::exists(*shared_folder / "nobody"));
   EXPECT_THAT(run("compare run.rawlog -o no --set lidar.beams=91").err, HasSubstr("run.rawlog is a log"));
   EXPECT_THAT(run("compare run.rawlog -o no --methods graph --set graph.max_rang_m=4").err,
               HasSubstr("did you mean 'max_range_m'?"));

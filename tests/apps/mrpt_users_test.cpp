@@ -97,7 +97,7 @@ TEST(TheDocumentForMrptsUsers, NamesATestThatThereIsInEachRow) {
   int rows = 0;
   bool in_components = false;
   for (std::string line; std::getline(lines, line);) {
-    if (line.rfind("|", 0) != 0) in_components = false;
+    if (line.rfind('|', 0) != 0) in_components = false;
     if (line.rfind("|---", 0) != 0 && in_components) {
       std::smatch test;
       ASSERT_TRUE(std::regex_search(line, test, kTest)) << line;

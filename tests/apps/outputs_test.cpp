@@ -24,10 +24,10 @@ class Outputs : public CommandsInAFolder {
   static void SetUpTestSuite() { fill({"simulate flat -o run.rawlog --duration 20 --seed 2 -q"}); }
   /// A line of bash in the folder; $R is the program.
   static testing::CommandResult shell(const std::string& line) {
-    return testing::runCommand("cd '" + folder_->path() + "' && R='" RASTERSLAM_PROGRAM "' bash -c '" + line +
-                               "'");
+    return testing::runCommand("cd '" + shared_folder->path() + "' && R='" RASTERSLAM_PROGRAM "' bash -c '" +
+                               line + "'");
   }
-  static testing::TempFolder& folder() { return *folder_; }
+  static testing::TempFolder& folder() { return *shared_folder; }
 };
 
 TEST_F(Outputs, LeaveOthersTemporaryFilesAlone) {

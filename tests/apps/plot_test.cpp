@@ -79,7 +79,7 @@ TEST(Plot, ReplaysAnOperationLogThatStandsAlone) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("5 operations, path 3.00 m, end at x 0.00 m, y 1.00 m, yaw 180.0 deg"));
   EXPECT_TRUE(isPicture(folder / "square.png"));
-  std::ofstream(folder / "empty.txt");
+  files::writeFileAtomically(folder / "empty.txt", "");
   EXPECT_EQ(rasterslam("plot operations empty.txt -o empty.png", folder.path()).exit_code, 0);
 }
 

@@ -17,20 +17,20 @@ inline testing::CommandResult rasterslam(const std::string& arguments, const std
 class CommandsInAFolder : public ::testing::Test {
  protected:
   static void fill(const std::vector<std::string>& commands) {
-    folder_ = new testing::TempFolder;
+    shared_folder = new testing::TempFolder;
     for (const std::string& command : commands) {
       const auto made = run(command);
       ASSERT_EQ(made.exit_code, 0) << command << ": " << made.err;
     }
   }
   static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
+    delete shared_folder;
+    shared_folder = nullptr;
   }
   static testing::CommandResult run(const std::string& arguments) {
-    return rasterslam(arguments, folder_->path());
+    return rasterslam(arguments, shared_folder->path());
   }
-  inline static testing::TempFolder* folder_ = nullptr;
+  inline static testing::TempFolder* shared_folder = nullptr;
 };
 
 }  // namespace slam::apps

@@ -14,7 +14,7 @@ namespace {
 
 void fill(world::Plan& plan, int x0, int y0, int x1, int y1, world::Cell cell = world::Cell::kOccupied) {
   for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x) plan.cells[static_cast<size_t>(y * plan.columns + x)] = cell;
+    for (int x = x0; x < x1; ++x) plan.cells[static_cast<size_t>(y) * plan.columns + x] = cell;
 }
 
 /// 8 x 6 m at 5 cm with walls, a shelf against one, and `pieces` tables of 0.8 x 0.4 m in rows.
@@ -23,7 +23,7 @@ world::Plan furnished(int pieces) {
   plan.name = "furnished";
   plan.columns = 160;
   plan.rows = 120;
-  plan.cells.assign(160 * 120, world::Cell::kFree);
+  plan.cells.assign(size_t{160} * 120, world::Cell::kFree);
   fill(plan, 0, 0, 160, 2), fill(plan, 0, 118, 160, 120), fill(plan, 0, 0, 2, 120),
       fill(plan, 158, 0, 160, 120);
   fill(plan, 2, 100, 10, 118);
@@ -99,7 +99,7 @@ TEST(Furniture, KeepsItsShapeAndItsMaterial) {
   // An L, one arm of glass.
   fill(plan, 60, 50, 70, 54), fill(plan, 60, 54, 64, 60);
   plan.materials.assign(plan.cells.size(), world::Material::kPlain);
-  for (int x = 60; x < 70; ++x) plan.materials[static_cast<size_t>(50 * 160 + x)] = world::Material::kGlass;
+  for (int x = 60; x < 70; ++x) plan.materials[size_t{50} * 160 + x] = world::Material::kGlass;
   for (std::uint64_t seed = 1; seed < 20; ++seed) {
     const auto moved = moveFurniture(plan, seed, 1);
     ASSERT_EQ(moved.moved, 1);
@@ -107,7 +107,7 @@ TEST(Furniture, KeepsItsShapeAndItsMaterial) {
     for (int y = 3; y < 99; ++y)
       for (int x = 12; x < 157; ++x) {
         const bool is_glass =
-            moved.plan.materials[static_cast<size_t>(y * 160 + x)] == world::Material::kGlass;
+            moved.plan.materials[static_cast<size_t>(y) * 160 + x] == world::Material::kGlass;
         ASSERT_TRUE(!is_glass || moved.plan.at(x, y) == world::Cell::kOccupied);
         if (moved.plan.at(x, y) == world::Cell::kOccupied) columns.push_back(x), rows.push_back(y);
         if (is_glass) glass_columns.push_back(x), glass_rows.push_back(y);

@@ -96,7 +96,7 @@ TEST(OdometryFit, IntervalsHoldTheTruthAsOftenAsTheySay) {
     Robot robot;
     robot.T_robot_lidar = {0.2, 0.1, 0.3};
     robot.distance_scale = 1.02;
-    robot.noise_m = 0.004, robot.noise_rad = 0.004, robot.seed = static_cast<std::uint64_t>(trial + 1);
+    robot.noise_m = 0.004, robot.noise_rad = 0.004, robot.seed = static_cast<std::uint64_t>(trial) + 1;
     const auto fit = fitOf(robot, 500);
     turns += fit.turn_scale.covers(1);
     scales += fit.distance_scale.covers(1.02);

@@ -29,6 +29,7 @@ TEST(OdometryTally, CountsPathAndTurnsBothWays) {
 
 TEST(OdometryTally, LeavesJumpsOutOfThePath) {
   std::vector<Pose2> poses;
+  poses.reserve(50);
   for (int i = 0; i < 50; ++i) poses.push_back({0.1 * i + (i >= 20 ? 4 : 0) + (i >= 30 ? 2 : 0), 0, 0});
   const auto figures = figuresOf(poses);
   EXPECT_EQ(figures.jumps, 2U);

@@ -43,7 +43,10 @@ TEST(StampTally, CountsEachFaultOfAStream) {
 TEST(StampTally, NamesTheLongestGapsAndCountsAll) {
   StampTally tally;
   double time_s = 0;
-  for (int i = 0; i < 2000; ++i) tally.add(time_s += i % 100 == 99 ? 2 + i / 100 : 0.05);
+  for (int i = 0; i < 2000; ++i) {
+    const int gap_s = 2 + i / 100;
+    tally.add(time_s += i % 100 == 99 ? gap_s : 0.05);
+  }
   const auto figures = tally.figures();
   EXPECT_EQ(figures.gap_count, 20U);
   ASSERT_EQ(figures.gaps.size(), 5U);

@@ -48,6 +48,7 @@ posegraph::PoseGraph smallGraph(core::RandomStream& random, double noise) {
   posegraph::PoseGraph graph;
   const int nodes = 5;
   std::vector<core::Pose2> truth;
+  truth.reserve(nodes);
   for (int i = 0; i < nodes; ++i)
     truth.push_back({random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-kPi, kPi)});
   for (const auto& pose : truth) graph.addNode(pose);

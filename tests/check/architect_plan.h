@@ -51,7 +51,7 @@ class ArchitectPlan {
   void wall(double x0, double y0, double x1, double y1) {
     cv::rectangle(sheet_, at(x0, y0), at(x1, y1), cv::Scalar(0), style_.filled_walls ? cv::FILLED : 1);
   }
-  void horizontalWall(double x0, double x1, double y, double thickness, std::vector<double> doors) {
+  void horizontalWall(double x0, double x1, double y, double thickness, const std::vector<double>& doors) {
     double from = x0;
     for (const double door : doors) {
       wall(from, y, door, y + thickness);

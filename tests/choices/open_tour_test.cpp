@@ -52,6 +52,7 @@ TEST(OpenTour, IsNearlyTheShortestOfAll) {
   double found_m = 0, best_m = 0;
   for (int round = 0; round < 40; ++round) {
     std::vector<core::Point2> places;
+    places.reserve(8);
     for (int i = 0; i < 8; ++i) places.push_back({random.uniform(0.0, 10.0), random.uniform(0.0, 10.0)});
     const auto problem = straight(places);
     const auto order = shortestTour(problem);

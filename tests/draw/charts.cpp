@@ -24,6 +24,7 @@ using core::kNaN;
 
 std::vector<::testing::Matcher<double>> near(const std::vector<double>& values) {
   std::vector<::testing::Matcher<double>> matchers;
+  matchers.reserve(values.size());
   for (const double value : values) matchers.push_back(DoubleNear(value, 1e-9 * std::abs(value) + 1e-12));
   return matchers;
 }

@@ -16,6 +16,7 @@ using ::testing::SizeIs;
 
 std::vector<double> xOf(const std::vector<Point2>& points) {
   std::vector<double> x;
+  x.reserve(points.size());
   for (const Point2& p : points) x.push_back(p.x);
   return x;
 }

@@ -63,7 +63,7 @@ TEST(Explore, AMethodThatFailsOnTheWayKeepsWhatItHadMapped) {
 
 TEST(Explore, RefusesWhatCannotBe) {
   const testing::TempFolder folder;
-  const auto refusal = [&](ExploreRequest wanted) {
+  const auto refusal = [&](const ExploreRequest& wanted) {
     try {
       run(wanted);
     } catch (const core::InputError& error) {

@@ -149,6 +149,7 @@ std::vector<Exploration> inWorld(const std::string& world, const std::vector<std
                                  std::uint64_t seed) {
   const testing::TempFolder folder;
   std::vector<ExploreConfig> configs;
+  configs.reserve(strategies.size());
   for (const auto& strategy : strategies)
     configs.push_back(
         quickConfig(strategy, 1000, {"lidar.beams=181", "lidar.fov_deg=270", "lidar.max_range_m=30"}));
@@ -279,10 +280,10 @@ TEST(Explore, AStartThatIsCutOffAndAnOpenPlanAreSaid) {
   auto plan = twoRooms();
   for (int row = 30; row < 50; ++row)
     for (int column = 60; column < 63; ++column)
-      plan.cells[static_cast<size_t>(row * plan.columns + column)] = world::Cell::kOccupied;
+      plan.cells[static_cast<size_t>(row) * plan.columns + column] = world::Cell::kOccupied;
   for (int row = 10; row < 70; ++row)  // the right room's outer wall is gone
     for (int column = 118; column < 120; ++column)
-      plan.cells[static_cast<size_t>(row * plan.columns + column)] = world::Cell::kFree;
+      plan.cells[static_cast<size_t>(row) * plan.columns + column] = world::Cell::kFree;
   const testing::TempFolder folder;
   auto wanted = request(folder, plan,
                         {quickConfig("nearest_frontier", 120, {"simulation.start=1.5 2 0"}),

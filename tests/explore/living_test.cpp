@@ -92,7 +92,7 @@ TEST(RecordLivingWorld, SaysWhenDoorsMove) {
   plan.doors = {{130, 60, 133, 63}};  // wherever there is floor
   for (int row = 60; row < 63; ++row)
     for (int column = 130; column < 133; ++column)
-      plan.cells[static_cast<size_t>(row * plan.columns + column)] = world::Cell::kFree;
+      plan.cells[static_cast<size_t>(row) * plan.columns + column] = world::Cell::kFree;
   const auto config = record::readRecordConfig(
       settings({"living.doors_share=1", "living.door_open_s=2", "living.door_closed_s=2"}));
   record::record(plan, config, 1, folder / "run.rawlog", {}, core::silentProgress());

@@ -21,14 +21,14 @@ inline world::Plan drawnPlan(const std::string& name, int columns, int rows, std
   plan.name = name;
   plan.columns = columns;
   plan.rows = rows;
-  plan.cells.assign(static_cast<size_t>(columns * rows), world::Cell::kFree);
+  plan.cells.assign(static_cast<size_t>(columns) * rows, world::Cell::kFree);
   for (const Block& side : {Block{0, 0, columns, 2}, Block{0, rows - 2, columns, rows}, Block{0, 0, 2, rows},
                             Block{columns - 2, 0, columns, rows}})
     walls.push_back(side);
   for (const Block& wall : walls)
     for (int row = wall.first_row; row < wall.last_row; ++row)
       for (int column = wall.first_column; column < wall.last_column; ++column)
-        plan.cells[static_cast<size_t>(row * columns + column)] = world::Cell::kOccupied;
+        plan.cells[static_cast<size_t>(row) * columns + column] = world::Cell::kOccupied;
   return plan;
 }
 
@@ -38,7 +38,7 @@ inline world::Plan twoRooms() {
 }
 
 inline std::string saved(const testing::TempFolder& folder, const world::Plan& plan) {
-  const std::string path = folder / (plan.name + ".yaml");
+  std::string path = folder / (plan.name + ".yaml");
   world::savePlan(plan, path);
   return path;
 }

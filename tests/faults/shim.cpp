@@ -109,6 +109,7 @@ void (*real_free)(void*) = nullptr;
 
 #define EXPORT extern "C" __attribute__((visibility("default")))
 
+// NOLINTNEXTLINE(bugprone-reserved-identifier, readability-identifier-naming): as the C library calls it
 EXPORT int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, void (*init)(),
                              void (*fini)(), void (*loader_fini)(), void* stack_end) {
   using Start = int (*)(int (*)(int, char**, char**), int, char**, void (*)(), void (*)(), void (*)(), void*);
@@ -177,6 +178,7 @@ EXPORT int posix_spawn(pid_t* child, const char* path, const posix_spawn_file_ac
                    char* const[], char* const[])>("posix_spawn");
   return fails(Kind::kFork, EAGAIN) ? EAGAIN : real(child, path, actions, attributes, argv, environment);
 }
+// NOLINTNEXTLINE(readability-identifier-naming): as the C library calls it
 EXPORT int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*work)(void*),
                           void* argument) {
   static const auto real =

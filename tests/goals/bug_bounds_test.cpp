@@ -50,6 +50,7 @@ class GrownObstacles {
       b.crossings += crossesLine(s.a, s.b);
     }
     std::vector<Boundary> list;
+    list.reserve(found.size());
     for (const auto& [root, boundary] : found) list.push_back(boundary);
     return list;
   }

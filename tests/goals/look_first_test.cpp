@@ -23,7 +23,10 @@ lidar::Scan look(float everywhere_m, const std::vector<std::pair<int, float>>& o
   scan.min_range_m = 0.5, scan.max_range_m = 4;
   scan.T_robot_lidar = {0.1, 0, 0};
   scan.ranges_m.assign(61, everywhere_m);
-  for (const auto& [degrees, range_m] : other) scan.ranges_m[static_cast<size_t>(degrees + 30)] = range_m;
+  for (const auto& [degrees, range_m] : other) {
+    const int beam = degrees + 30;
+    scan.ranges_m[static_cast<size_t>(beam)] = range_m;
+  }
   return scan;
 }
 

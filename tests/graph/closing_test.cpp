@@ -148,6 +148,7 @@ TEST(Closing, IsCompletedWhenTheLogEnds) {
 // measured of the first says where the way went wrong.
 TEST(Closing, WhatWasMeasuredSinceTheLastLoopIsSpreadOverTheWayWhenTheLogEnds) {
   std::vector<core::Pose2> path;
+  path.reserve(312);
   for (int i = 0; i < 140; ++i) path.push_back({3 + 0.1 * i, 1, 0});
   for (int i = 0; i < 32; ++i) path.push_back({17, 1, 0.1 * i});
   for (int i = 0; i < 140; ++i) path.push_back({17 - 0.1 * i, 1, core::kPi});

@@ -9,7 +9,7 @@ OccupancyRaster raster(int columns, int rows, double x_min_m, double y_min_m, fl
   OccupancyRaster map;
   map.columns = columns, map.rows = rows, map.resolution_m = 0.1;
   map.x_min_m = x_min_m, map.y_min_m = y_min_m;
-  map.occupancy.assign(static_cast<size_t>(columns * rows), value);
+  map.occupancy.assign(static_cast<size_t>(columns) * rows, value);
   return map;
 }
 

@@ -207,7 +207,7 @@ TEST(Grid, BeamsThatOnlyPassCopyNoField) {
   for (const auto& part : after)
     if (std::find(before.begin(), before.end(), part) == before.end()) {
       ++copied;
-      EXPECT_EQ(part.second, 32 * 32 * sizeof(SeenCell));
+      EXPECT_EQ(part.second, sizeof(SeenCell) * 32 * 32);
     }
   EXPECT_GT(copied, 3U);
 }

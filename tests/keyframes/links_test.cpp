@@ -144,7 +144,8 @@ TEST(Links, NothingFallsApartWhereKeyframesAreTakenOut) {
       poses.push_back({random.uniform(0, 10), random.uniform(0, 10), 0});
       links.addKeyframe();
       // Two heaps, each of them in one piece.
-      if (k > 1) links.join(k, k % 2 + 2 * static_cast<int>(random.uniform(0, k / 2 - 1e-9)), 1);
+      const int before = k / 2;
+      if (k > 1) links.join(k, k % 2 + 2 * static_cast<int>(random.uniform(0, before - 1e-9)), 1);
     }
     for (const int gone : {0, 1, 14, 7, 2, 3, 22}) links.remove(gone);
     for (const int start : {4, 5}) {
@@ -220,6 +221,7 @@ TEST(Links, ShortestWaysAreThoseOfAllPathsThroughClosures) {
   for (int k = 1; k < 60; ++k) path_m.push_back(path_m.back() + random.uniform(0.1, 3));
   for (int closures = 0; closures < 8; ++closures) {
     std::vector<std::pair<int, int>> pairs;
+    pairs.reserve(static_cast<size_t>(closures));
     for (int c = 0; c < closures; ++c)
       pairs.push_back({static_cast<int>(random.uniform(0, 59.9)), static_cast<int>(random.uniform(0, 59.9))});
     // By Bellman's rule: no edge shortens anything any more.

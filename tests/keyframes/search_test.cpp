@@ -27,6 +27,7 @@ TEST(Search, ThinningKeepsTheFirstPointOfEverySquare) {
 
 TEST(Search, AQuestionTakesItsPointsEvenlyOfAll) {
   std::vector<PatchPoint> points;
+  points.reserve(10);
   for (int i = 0; i < 10; ++i) points.push_back(pointAt(i + 0.2, 0.2));
   const auto all = searchPoints(points, 100);
   ASSERT_EQ(all.size(), 10U);

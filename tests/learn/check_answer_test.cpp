@@ -65,13 +65,13 @@ class Answers : public ::testing::Test {
  protected:
   /// Lesson 5, the quickest with a number.
   static void SetUpTestSuite() {
-    folder_ = new testing::TempFolder;
-    startLesson(lesson(), 4, *folder_ / "mine", core::silentProgress());
+    shared_folder = new testing::TempFolder;
+    startLesson(lesson(), 4, *shared_folder / "mine", core::silentProgress());
     const testing::TempFolder scratch;
-    right_ =
+    right_answer =
         recipeOf(lesson().options.recipe)({lesson(), 4, scratch.path(), core::silentProgress()}).at("answer");
   }
-  static void TearDownTestSuite() { delete folder_; }
+  static void TearDownTestSuite() { delete shared_folder; }
   static const Lesson& lesson() {
     static const auto lessons = readLessons();
     return lessons[4];
@@ -83,16 +83,16 @@ class Answers : public ::testing::Test {
     return checkAnswer(lesson(), request, core::silentProgress());
   }
   static Verdict checkText(const std::string& text) {
-    files::writeFileAtomically(*folder_ / "mine/answer.txt", text);
-    return check(*folder_ / "mine");
+    files::writeFileAtomically(*shared_folder / "mine/answer.txt", text);
+    return check(*shared_folder / "mine");
   }
-  inline static testing::TempFolder* folder_ = nullptr;
-  inline static double right_ = 0;
+  inline static testing::TempFolder* shared_folder = nullptr;
+  inline static double right_answer = 0;
 };
 
 TEST_F(Answers, AreReadFromTheFolderOrTaken) {
-  EXPECT_EQ(checkText(files::formatNumber(right_) + "\n").finding, Finding::kRight);
-  EXPECT_EQ(check(files::formatNumber(right_), 4).finding, Finding::kRight);
+  EXPECT_EQ(checkText(files::formatNumber(right_answer) + "\n").finding, Finding::kRight);
+  EXPECT_EQ(check(files::formatNumber(right_answer), 4).finding, Finding::kRight);
   EXPECT_THAT(errorOf([&] { check("0.5"); }), HasSubstr("expected --student NUMBER"));
 }
 
@@ -106,16 +106,16 @@ TEST_F(Answers, ThatAreNoNumberSayWhy) {
 }
 
 TEST_F(Answers, OfAnotherStudentOrLessonAreNamed) {
-  EXPECT_EQ(check(*folder_ / "mine", 5).kind, "other_student");
+  EXPECT_EQ(check(*shared_folder / "mine", 5).kind, "other_student");
   const testing::TempFolder scratch;
   const double neighbours =
       recipeOf(lesson().options.recipe)({lesson(), 5, scratch.path(), core::silentProgress()}).at("answer");
   EXPECT_EQ(check(files::formatNumber(neighbours), 4).kind, "other_student");
   AnswerRequest request;
-  request.answer = *folder_ / "mine";
+  request.answer = *shared_folder / "mine";
   EXPECT_EQ(checkAnswer(readLessons()[0], request, core::silentProgress()).kind, "other_lesson");
-  EXPECT_EQ(check(*folder_ / "nowhere").kind, "missing");
-  EXPECT_THAT(errorOf([&] { check(folder_->path()); }), HasSubstr("holds no lesson.ini"));
+  EXPECT_EQ(check(*shared_folder / "nowhere").kind, "missing");
+  EXPECT_THAT(errorOf([&] { check(shared_folder->path()); }), HasSubstr("holds no lesson.ini"));
 }
 
 TEST_F(Answers, AreGradedFolderByFolder) {

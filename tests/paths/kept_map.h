@@ -23,7 +23,7 @@ inline void strew(gridmap::OccupancyRaster& map, std::pair<int, int> first, std:
     const auto column = static_cast<int>(random.uniform(first.first, last.first));
     const auto row = static_cast<int>(random.uniform(first.second, last.second));
     const double kind = random.uniform(0, 4);  // half of them free
-    map.occupancy[static_cast<std::size_t>(row * map.columns + column)] =
+    map.occupancy[static_cast<std::size_t>(row) * map.columns + column] =
         kind < 2 ? 0.1F : (kind < 3 ? 0.9F : 0.5F);
   }
 }

@@ -58,6 +58,7 @@ inline lidar::Scan look(const std::vector<Wall>& walls, const core::Pose2& T_wor
 /// All around, 5 cm apart.
 inline std::vector<core::Pose2> aFewPosesAround(double x) {
   std::vector<core::Pose2> poses;
+  poses.reserve(12);
   for (int i = 0; i < 12; ++i) poses.push_back({x + 0.05 * i, 0.02 * i, i * core::kPi / 6});
   return poses;
 }
