@@ -8,7 +8,6 @@
 
 namespace slam::keyframes {
 
-using core::Point2;
 using core::Pose2;
 using scanmatch::PatchPoint;
 

@@ -21,7 +21,6 @@
 
 namespace slam::check {
 namespace {
-namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 const std::vector<std::string> kWorlds = {"corridor", "flat", "maze", "office_loop", "pillar_hall"};

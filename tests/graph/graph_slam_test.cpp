@@ -115,6 +115,7 @@ TEST(GraphSlam, CarriesOnThroughScansWithoutAnyReturn) {
 
 TEST(GraphSlam, SaysThatACorridorIsDegenerate) {
   std::vector<core::Pose2> path;
+  path.reserve(60);
   for (int i = 0; i < 60; ++i) path.push_back({0.1 * i, 0, 0});
   const auto log = drive(rectangle(-100, -1, 100, 1), path, {}, 0);
   EXPECT_TRUE(eventsOf(run(log)).count("degenerate"));
@@ -345,6 +346,7 @@ TEST(GraphSlam, IsLessSureTheFartherItDrivesAndSurerOnceALoopIsClosed) {
   const auto log = drive(ring(), lapsAround(2), {}, 0);
   GraphSlam graph{keyframes::GraphOptions()};
   std::vector<double> variance;
+  variance.reserve(log.scans.size());
   for (size_t i = 0; i < log.scans.size(); ++i)
     variance.push_back(graph.process(log.scans[i], log.increments[i], true).pose_covariance.trace());
   EXPECT_EQ(variance[0], 0);

@@ -48,7 +48,7 @@ std::string pathOf(const RealLog& log) {
 
 #define SKIP_WITHOUT(log, path)         \
   const std::string path = pathOf(log); \
-  if (path.empty()) GTEST_SKIP() << (log).file << " is not beside the project (../shared/data)"
+  if ((path).empty()) GTEST_SKIP() << (log).file << " is not beside the project (../shared/data)"
 
 std::vector<std::string> linesOf(const std::string& command) {
   std::vector<std::string> lines;

@@ -8,7 +8,6 @@
 
 namespace slam::logs {
 namespace {
-using ::testing::HasSubstr;
 
 struct Packing {
   std::string name;

@@ -12,7 +12,6 @@ namespace {
 using core::kPi;
 using core::Pose2;
 using keyframes::test_maps::addKeyframe;
-using keyframes::test_maps::addRow;
 using keyframes::test_maps::roundRoom;
 
 /// Keyframes in a row, half a metre apart by odometry of 10 cm and 10 mrad.

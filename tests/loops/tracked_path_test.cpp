@@ -50,6 +50,7 @@ TEST(TrackedPath, GrowsWithTheGroundNotWithTheLaps) {
 
 TEST(TrackedPath, HasTheErrorsOfOdometryWhereAMatchLeavesADirectionOpen) {
   std::vector<core::Pose2> way;
+  way.reserve(100);
   for (int i = 0; i < 100; ++i) way.push_back({1 + 0.1 * i, 1, 0});
   const Drive log = drive(ring(), way, {}, 0);
   const auto along = [&](bool is_open) {

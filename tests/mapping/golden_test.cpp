@@ -60,6 +60,7 @@ std::string fingerprints(const std::string& name) {
   static const Drive kGaps = drive(ring(), everyOther(lapsAround(1), 100), {}, 0, 2);
   static const Drive kCorridor = [] {
     std::vector<core::Pose2> path;
+    path.reserve(60);
     for (int i = 0; i < 60; ++i) path.push_back({0.1 * i, 0, 0});
     return drive(rectangle(-100, -1, 100, 1), path, {}, 0, 3);
   }();

@@ -72,6 +72,7 @@ TEST(DamagedMapFiles, KeyFramesOfImpossibleNumberAreOneLine) {
   const testing::TempFolder folder;
   const std::string path = folder / "map.simplemap";
   std::vector<KeyFrame> key_frames;
+  key_frames.reserve(77);
   for (int i = 0; i < 77; ++i) key_frames.push_back({test::scanRoom({0, 0, 0}, i, 11), {0, 0, 0}});
   writeKeyFrames(key_frames, path);
   mrpt::maps::CSimpleMap map;

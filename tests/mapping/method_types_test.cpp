@@ -18,6 +18,7 @@
 
 namespace slam::mapping {
 
+// NOLINTNEXTLINE(readability-identifier-naming): as GoogleTest calls it
 void PrintTo(const methods::MethodType& type, std::ostream* out) {
   *out << type.name;
 }

@@ -27,7 +27,7 @@ namespace {
 const std::string kSource = RASTERSLAM_SOURCE_DIR, kBinary = RASTERSLAM_BINARY_DIR;
 
 std::string writeLog(const testing::TempFolder& folder, const test::Drive& drive) {
-  const std::string path = folder / "drive.rawlog";
+  std::string path = folder / "drive.rawlog";
   logs::LogWriter writer(path, rawlogs::RawlogForm::kActionFrame);
   for (const auto& entry : drive.entries) writer.write(entry);
   writer.close();

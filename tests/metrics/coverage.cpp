@@ -21,7 +21,7 @@ std::vector<std::string> drawn(const ExplorableArea& area) {
   for (int row = area.rows - 1; row >= 0; --row) {
     std::string line;
     for (int column = 0; column < area.columns; ++column)
-      line += area.explorable[static_cast<size_t>(row * area.columns + column)] ? '*' : ' ';
+      line += area.explorable[static_cast<size_t>(row) * area.columns + column] ? '*' : ' ';
     lines.push_back(line);
   }
   return lines;
@@ -134,7 +134,7 @@ TEST(ExplorableArea, EqualsItsDefinitionByBruteForce) {
             expected = expected || reachable[column][row];
           }
         }
-        differing += expected != (area.explorable[static_cast<size_t>(y * 22 + x)] != 0);
+        differing += expected != (area.explorable[static_cast<size_t>(y) * 22 + x] != 0);
       }
     // A diagonal ray through a corner of cells enters one more of them in the exact walk; small steps jump
     // it.

@@ -13,7 +13,6 @@
 namespace slam::metrics {
 namespace {
 
-using core::kPi;
 using core::Point2;
 using world::Cell;
 using world::Plan;

@@ -18,7 +18,6 @@ namespace {
 
 using core::kPi;
 using core::Point2;
-using world::Cell;
 using world::Plan;
 
 using core::kNaN;
@@ -113,6 +112,7 @@ TEST(PointSharpness, IsBlindToAMapThatIsBentAsAWhole) {
 std::vector<Point2> scattered(size_t count) {
   core::RandomStream random(3, "points");
   std::vector<Point2> points;
+  points.reserve(count);
   for (size_t i = 0; i < count; ++i) points.push_back({random.uniform(-2, 2), random.uniform(-1, 1)});
   return points;
 }
@@ -123,6 +123,7 @@ TEST(PointSharpness, IsTheSameTurnedMirroredAndFarAway) {
   for (const auto& T : {core::Pose2{0, 0, kPi / 2}, {0, 0, 1.1}, {400, -700, 2.2}})
     for (const double mirror : {1.0, -1.0}) {
       std::vector<Point2> moved;
+      moved.reserve(points.size());
       for (const auto& p : points) moved.push_back(T * Point2{mirror * p.x, p.y});
       const auto s = pointSharpness(moved);
       // Coordinates of 1000 m are known to 1e-13 m; the variances around are of 1e-2 m2.

@@ -148,7 +148,7 @@ TEST(Crowd, WaitsAtAClosedDoorAndTurnsBack) {
   const auto& door = plan.doors.front();
   for (int row = door.y0; row < door.y1; ++row)
     for (int column = door.x0; column < door.x1; ++column)
-      plan.cells[static_cast<size_t>(row * plan.columns + column)] = world::Cell::kOccupied;
+      plan.cells[static_cast<size_t>(row) * plan.columns + column] = world::Cell::kOccupied;
   crowd.update(plan, door);
   std::vector<bool> began_left;
   for (const auto& person : crowd.people()) began_left.push_back(person.p.x < 6.05);
@@ -203,7 +203,7 @@ TEST(Crowd, IsSeenAsDiscsWhenAsked) {
 
 TEST(Crowd, SaysWhenThereIsNoRoom) {
   try {
-    Crowd(sim::twoRooms(), people(1000), 1, kFarAway);
+    const Crowd crowd(sim::twoRooms(), people(1000), 1, kFarAway);
     FAIL() << "1000 people found room in 70 m2";
   } catch (const core::InputError& error) {
     EXPECT_THAT(error.what(),

@@ -18,7 +18,7 @@ world::Plan planWith(int doors) {
   world::Plan plan;
   plan.columns = 60, plan.rows = 400;
   plan.resolution_m = 0.1;
-  plan.cells.assign(60 * 400, world::Cell::kFree);
+  plan.cells.assign(size_t{60} * 400, world::Cell::kFree);
   for (int i = 0; i < doors; ++i) plan.doors.push_back({20, 10 + 10 * i, 30, 12 + 10 * i});
   return plan;
 }

@@ -16,7 +16,7 @@ void shut(world::Plan& plan, world::Cell cell) {
   const auto& door = plan.doors.front();
   for (int row = door.y0; row < door.y1; ++row)
     for (int column = door.x0; column < door.x1; ++column)
-      plan.cells[static_cast<size_t>(row * plan.columns + column)] = cell;
+      plan.cells[static_cast<size_t>(row) * plan.columns + column] = cell;
 }
 
 /// Random walls of single cells, and some unknown ones.
@@ -120,7 +120,7 @@ TEST(Walkways, AOnlyPlaceHasTheWayToItself) {
   for (int row = 0; row < plan.rows; ++row)
     for (int column = 0; column < plan.columns; ++column)
       if (std::hypot(column - 60, row - 60) > 9)
-        plan.cells[static_cast<size_t>(row * plan.columns + column)] = world::Cell::kOccupied;
+        plan.cells[static_cast<size_t>(row) * plan.columns + column] = world::Cell::kOccupied;
   plan.doors.clear();
   Walkways walkways(plan, kRadius_m, 1, {3, 3});
   ASSERT_EQ(walkways.places(), 1U);

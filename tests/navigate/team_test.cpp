@@ -12,10 +12,10 @@ gridmap::OccupancyRaster corridor() {
   gridmap::OccupancyRaster map;
   map.columns = 400, map.rows = 40, map.resolution_m = 0.05;
   map.x_min_m = -10, map.y_min_m = -1;
-  map.occupancy.assign(400 * 40, 0.5F);
+  map.occupancy.assign(size_t{400} * 40, 0.5F);
   for (int row = 0; row < 40; ++row)
     for (int column = 120; column < 280; ++column)
-      map.occupancy[static_cast<size_t>(row * 400 + column)] = row < 2 || row >= 38 ? 0.99F : 0.01F;
+      map.occupancy[static_cast<size_t>(row) * 400 + column] = row < 2 || row >= 38 ? 0.99F : 0.01F;
   return map;
 }
 
@@ -105,7 +105,7 @@ TEST_F(TwoRobots, TheSecondDrivesOutOfTheWayAndComesBack) {
   const auto map = [] {
     auto wide = corridor();  // with a room of 3 m below the corridor
     wide.rows = 140, wide.y_min_m = -6;
-    wide.occupancy.assign(400 * 140, 0.01F);
+    wide.occupancy.assign(size_t{400} * 140, 0.01F);
     return wide;
   };
   core::Pose2 b{0.75, 0, core::kPi};

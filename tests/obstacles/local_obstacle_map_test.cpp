@@ -144,6 +144,7 @@ TEST(LocalObstacleMap, LeavesNoTwinsAndDropsNoPointWithoutATwin) {
   options.merge_distance_m = 0.3;
   LocalObstacleMap map(options);
   std::vector<core::Point2> all;
+  all.reserve(300);
   for (int i = 0; i < 300; ++i) all.push_back({random.uniform(-3, 3), random.uniform(-3, 3)});
   map.update(0, 0, kBlind, all);
   map.update(0, 0, kBlind, {});
@@ -206,6 +207,7 @@ TEST(LocalObstacleMap, RemembersAtTheRightPlacesWhatTheRobotTurnsAwayFrom) {
   for (const auto& tick : ticks) {
     T_scene_robot = T_scene_robot * core::Pose2{0, 0, tick.turn_rad} * core::Pose2{tick.travel_m, 0, 0};
     std::vector<core::Point2> p_robot;
+    p_robot.reserve(scene.size());
     for (const auto& p : scene) p_robot.push_back(core::inverse(T_scene_robot) * p);
     const size_t remembered_before = map.rememberedCount();
     map.update(tick.turn_rad, tick.travel_m, camera, pointsWithin(camera, p_robot));

@@ -48,8 +48,10 @@ TEST(ToMrptAction, CarriesMeanCovarianceAndTime) {
   EXPECT_EQ(pdf->mean.y(), -0.03);
   EXPECT_NEAR(pdf->mean.phi(), 0.2, 1e-15);  // MRPT wraps it
   for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c)
-      EXPECT_EQ(pdf->cov(r, c), someMotion().covariance[static_cast<size_t>(3 * r + c)]);
+    for (int c = 0; c < 3; ++c) {
+      const int k = 3 * r + c;
+      EXPECT_EQ(pdf->cov(r, c), someMotion().covariance[static_cast<size_t>(k)]);
+    }
 }
 
 TEST(ToMrptAction, ComesBackFromAStreamTheSame) {

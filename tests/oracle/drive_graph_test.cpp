@@ -18,7 +18,7 @@ world::Plan hall(int columns, int rows, int wall_at = -1, int gap = 0) {
                                  "#" + std::string(static_cast<size_t>(columns - 2), '.') + "#");
   lines.front() = lines.back() = std::string(static_cast<size_t>(columns), '#');
   if (wall_at > 0)
-    for (size_t row = static_cast<size_t>(1 + gap); row < lines.size(); ++row)
+    for (size_t row = static_cast<size_t>(gap) + 1; row < lines.size(); ++row)
       lines[row][static_cast<size_t>(wall_at)] = '#';
   return world::drawnPlan(lines, 0.1);
 }

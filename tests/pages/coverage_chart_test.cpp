@@ -19,6 +19,7 @@ using ::testing::HasSubstr;
 /// NEES as true covariances leave it: the quantiles of the chi-squared distribution.
 std::vector<double> trueNees(int count, double times = 1) {
   std::vector<double> nees;
+  nees.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i) nees.push_back(times * stats::chiSquaredQuantile((i + 0.5) / count, 3));
   return nees;
 }

@@ -160,6 +160,7 @@ TEST(ParticleLoops, DrawTheMapWhereTheBestParticleWas) {
 // A clean corridor does not tell how far the robot has come: each step's error by the wheels is one more.
 TEST(ParticleLoops, LeaveTheWheelsTheirErrorsAlongACorridor) {
   std::vector<core::Pose2> way;
+  way.reserve(100);
   for (int i = 0; i < 100; ++i) way.push_back({0.1 * i, 0, 0});
   const Drive log = drive(rectangle(-100, -1, 100, 1), way, {}, 0, 3);
   ParticleFilterOptions options;

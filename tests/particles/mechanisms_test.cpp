@@ -38,6 +38,7 @@ TEST(ParticleMechanisms, TheEvidenceIsTheIntegralOfLikelihoodTimesMotionModel) {
 
 Drive roomDrive(int scans, std::uint64_t seed) {
   std::vector<core::Pose2> path;
+  path.reserve(static_cast<size_t>(scans));
   for (int i = 0; i < scans; ++i) path.push_back({1 + 0.1 * i, 1, 0});
   return drive(ring(), path, {}, 0, seed);
 }

@@ -11,6 +11,7 @@ core::StampedPose at(double x) {
 
 std::vector<double> xOf(const core::Trajectory& path) {
   std::vector<double> x;
+  x.reserve(path.size());
   for (const auto& stamped : path) x.push_back(stamped.pose.x);
   return x;
 }

@@ -67,7 +67,7 @@ TEST(FreeSpace, OfAMapThatChangesIsTheSameAsAFreshOneAndSaysWhatChanged) {
   for (const auto& [first, last] :
        {std::pair(std::pair(5, 7), std::pair(20, 9)), std::pair(std::pair(0, 0), std::pair(1, 1)),
         std::pair(std::pair(39, 29), std::pair(40, 30))}) {
-    map.occupancy[static_cast<std::size_t>(first.second * 40 + first.first)] = 0.1F;
+    map.occupancy[static_cast<std::size_t>(first.second) * 40 + first.first] = 0.1F;
     const FreeSpace before = kept;
     strew(map, first, last, 30, random);
     map.x_min_m += 0.05;

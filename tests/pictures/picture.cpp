@@ -323,7 +323,7 @@ TEST(DrawPanels, ShowsTruePlansWholeHoweverUnlikeTheirSizes) {
   world::Plan yard;
   yard.columns = yard.rows = 400;
   yard.resolution_m = room().resolution_m;
-  yard.cells.assign(400 * 400, world::Cell::kFree);
+  yard.cells.assign(size_t{400} * 400, world::Cell::kFree);
   for (int i = 0; i < 400; ++i)
     for (const int k : {i, 399 * 400 + i, i * 400, i * 400 + 399})
       yard.cells[static_cast<size_t>(k)] = world::Cell::kOccupied;

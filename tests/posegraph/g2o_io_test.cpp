@@ -198,6 +198,7 @@ TEST(MrptGraph, MrptReadsWhatWeWriteAndWeWhatItWrites) {
   const testing::TempFolder folder;
   const PoseGraph graph = testing::driveOnGrid(60, 3).graph;
   std::vector<long long> ids;
+  ids.reserve(static_cast<size_t>(graph.nodeCount()));
   for (int node = 0; node < graph.nodeCount(); ++node) ids.push_back(10 + 3 * node);
   writeMrptGraphFile(graph, ids, folder / "ours.graph");
   mrpt::graphs::CNetworkOfPoses2DInf theirs;

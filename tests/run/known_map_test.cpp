@@ -33,7 +33,7 @@ world::Plan twoRooms() {
   plan.columns = 140, plan.rows = 60;
   plan.resolution_m = 0.1;
   plan.T_world_plan = {3, -2, 0.7};
-  plan.cells.assign(140 * 60, world::Cell::kUnknown);
+  plan.cells.assign(size_t{140} * 60, world::Cell::kUnknown);
   const auto fill = [&](int x0, int y0, int x1, int y1, world::Cell cell) {
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) plan.cells[static_cast<size_t>(y) * 140 + x] = cell;

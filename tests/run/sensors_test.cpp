@@ -19,7 +19,6 @@
 
 namespace slam::run {
 namespace {
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 files::IniFile configOf(const std::vector<std::string>& settings) {

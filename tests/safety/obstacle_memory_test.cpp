@@ -24,8 +24,10 @@ lidar::Scan sector(int fov_deg, const std::vector<std::pair<int, float>>& ranges
   scan.step_rad = degToRad(1);
   scan.max_range_m = 8;
   scan.ranges_m.assign(static_cast<size_t>(fov_deg) + 1, lidar::kNoReturn);
-  for (const auto& [degrees, range_m] : ranges)
-    scan.ranges_m[static_cast<size_t>(degrees + fov_deg / 2)] = range_m;
+  for (const auto& [degrees, range_m] : ranges) {
+    const int beam = degrees + fov_deg / 2;
+    scan.ranges_m[static_cast<size_t>(beam)] = range_m;
+  }
   return scan;
 }
 

@@ -12,12 +12,14 @@ namespace {
 std::vector<core::Point2> chaos(int count, double size_m, std::uint64_t seed) {
   core::RandomStream chance(seed, "points");
   std::vector<core::Point2> points;
+  points.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i) points.push_back({size_m * chance.uniform(), size_m * chance.uniform()});
   return points;
 }
 
 std::vector<core::Point2> seenFrom(const core::Pose2& T_map_robot, const std::vector<core::Point2>& points) {
   std::vector<core::Point2> seen;
+  seen.reserve(points.size());
   for (const auto& p : points) seen.push_back(core::inverse(T_map_robot) * p);
   return seen;
 }

@@ -16,7 +16,6 @@
 
 namespace slam::score {
 namespace {
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 results::RunFolder runWith(const core::Trajectory& online) {

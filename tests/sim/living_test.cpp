@@ -150,7 +150,7 @@ TEST(LivingWorld, APersonInThePlansOwnFrameStandsWhereThePlanIsPlaced) {
 TEST(LivingWorld, DrivingIntoAPersonIsACollisionAndAPersonWhoComesNearIsNone) {
   world::Plan plan = twoRooms();
   for (int row = 50; row < 70; ++row)  // no doorway: the person stays in the robot's room
-    plan.cells[static_cast<size_t>(row * plan.columns + 120)] = world::Cell::kOccupied;
+    plan.cells[static_cast<size_t>(row) * plan.columns + 120] = world::Cell::kOccupied;
   movers::LivingOptions living = people(1);
   living.pause_share = 1, living.pause_s = 1e5;
   Simulator simulator(plan, {}, exactCircle(4), {}, {2, 2, 0}, 9, kStart_s, living);

@@ -13,9 +13,9 @@ world::Plan plan() {
   plan.name = "halves";
   plan.columns = 200;
   plan.rows = 80;
-  plan.cells.assign(200 * 80, world::Cell::kFree);
+  plan.cells.assign(size_t{200} * 80, world::Cell::kFree);
   for (int row = 0; row < 60; ++row)
-    plan.cells[static_cast<size_t>(row * 200 + 100)] = world::Cell::kOccupied;
+    plan.cells[static_cast<size_t>(row) * 200 + 100] = world::Cell::kOccupied;
   return plan;
 }
 

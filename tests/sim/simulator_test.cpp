@@ -55,6 +55,7 @@ lidar::LidarOptions circle(int beams, double sigma_m = 0) {
 std::vector<robot::Command> wanderingCommands(int count) {
   core::RandomStream random(7, "test commands");
   std::vector<robot::Command> commands;
+  commands.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i)
     commands.push_back({random.chance(0.2) ? 0.0 : random.uniform(-0.5, 1.0), random.uniform(-1.0, 1.0),
                         random.uniform(0.0, 1.0)});
@@ -63,7 +64,7 @@ std::vector<robot::Command> wanderingCommands(int count) {
 
 std::string errorOfStart(const Plan& plan, const Pose2& start) {
   try {
-    Simulator(plan, {}, circle(4), {}, start, 1);
+    const Simulator simulator(plan, {}, circle(4), {}, start, 1);
   } catch (const core::InputError& error) {
     return error.what();
   }

@@ -10,7 +10,7 @@ inline world::Plan twoRooms() {
   plan.name = "two rooms";
   plan.columns = 242;
   plan.rows = 120;
-  plan.cells.assign(242 * 120, world::Cell::kFree);
+  plan.cells.assign(size_t{242} * 120, world::Cell::kFree);
   for (int row = 0; row < plan.rows; ++row)
     for (int column = 0; column < plan.columns; ++column) {
       const bool is_outer = row < 2 || row >= 118 || column < 2 || column >= 240;

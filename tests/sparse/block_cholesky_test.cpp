@@ -57,6 +57,7 @@ Blocks randomBlocks(int size, int count, std::uint64_t seed) {
 
 std::vector<Eigen::Vector3d> ramp(int size) {
   std::vector<Eigen::Vector3d> out;
+  out.reserve(static_cast<size_t>(size));
   for (int i = 0; i < size; ++i) out.emplace_back(i + 1, -i, 0.5 * i * i);
   return out;
 }
@@ -92,6 +93,7 @@ TEST(BlockCholesky, GivesTheBlocksOfTheInverseBothWays) {
   const double tolerance = kRounding * inverse.cwiseAbs().maxCoeff();
   const auto expected = [&](int row, int column) { return inverse.block<3, 3>(3L * row, 3L * column); };
   std::vector<BlockCholesky::HalfColumn> halves;
+  halves.reserve(static_cast<size_t>(size));
   for (int row = 0; row < size; ++row) halves.push_back(twin.sparse.halfColumn(row));
   for (int row = 0; row < size; ++row)
     for (int column = 0; column < size; ++column) {

@@ -73,7 +73,8 @@ TEST(Elimination, UpdatesNameEveryRowBelowOnceAndWhereItLies) {
       EXPECT_EQ(update.from, next);
       next = update.to;
       for (int i = update.from; i < supernode.below(); ++i) {
-        const int row = elimination.rows()[static_cast<size_t>(supernode.rows_begin + i)];
+        const int at_row = supernode.rows_begin + i;
+        const int row = elimination.rows()[static_cast<size_t>(at_row)];
         EXPECT_EQ(elimination.supernodeOf(row) == update.target, i < update.to);
         EXPECT_EQ(elimination.places()[static_cast<size_t>(update.places_begin + i - update.from)],
                   elimination.placeIn(update.target, row));

@@ -53,6 +53,7 @@ TEST(Bootstrap, OfTheMedianStaysWithinTheValues) {
 TEST(Bootstrap, IsMirroredWithTheValues) {
   const std::vector<double> values = {0.1, 0.2, 0.25, 0.9, 1.7, 6};
   std::vector<double> mirrored;
+  mirrored.reserve(values.size());
   for (const double value : values) mirrored.push_back(-value);
   const auto estimate = bootstrapMedian(values), opposite = bootstrapMedian(mirrored);
   // The same resamples: only the rounding of sums differs.
@@ -110,6 +111,7 @@ TEST(Bootstrap, TheMedianByCountingIsTheMedian) {
   core::RandomStream random(5, "median");
   for (std::size_t count = 2; count < 60; ++count) {
     std::vector<double> values;
+    values.reserve(count);
     // Many ties; a third of them failed.
     for (std::size_t i = 0; i < count; ++i)
       values.push_back(random.below(3) == 0 ? failedValue(Better::kSmaller)

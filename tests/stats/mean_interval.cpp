@@ -49,6 +49,7 @@ TEST(MeanInterval, OfSymmetricValuesIsStudents) {
 TEST(MeanInterval, IsMirroredWithTheValues) {
   const std::vector<double> values = {0.1, 0.2, 0.25, 0.9, 0.95};
   std::vector<double> mirrored;
+  mirrored.reserve(values.size());
   for (const double value : values) mirrored.push_back(1 - value);
   for (const auto& options : {MeanOptions(), shares()}) {
     const auto estimate = meanInterval(values, options), opposite = meanInterval(mirrored, options);
@@ -148,6 +149,7 @@ TEST(MeanInterval, HoldsTheTrueMeanAsOftenAsItSaysAlsoOfFewAndSkewedValues) {
     int covered = 0;
     for (int trial = 0; trial < kTrials; ++trial) {
       std::vector<double> values;
+      values.reserve(static_cast<std::size_t>(count));
       for (int i = 0; i < count; ++i) values.push_back(kind.draw(random));
       const auto interval = meanInterval(values, errors()).interval;
       covered += interval->low <= kind.true_mean && interval->high >= kind.true_mean ? 1 : 0;

@@ -65,6 +65,7 @@ TEST(SeedsNeeded, KeepTheirPowerForNormalDifferences) {
   int found = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
     std::vector<double> differences;
+    differences.reserve(kSeeds);
     for (int i = 0; i < kSeeds; ++i) differences.push_back(0.5 + random.normal());
     found += wilcoxonSignedRank(differences, std::vector<double>(kSeeds)).p <= 0.05 ? 1 : 0;
   }

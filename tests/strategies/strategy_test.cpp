@@ -21,7 +21,10 @@ lidar::Scan circle(const std::vector<std::pair<int, float>>& rays) {
   scan.step_rad = degToRad(1);
   scan.max_range_m = 20;
   scan.ranges_m.assign(360, 1.0F);
-  for (const auto& [degrees, range_m] : rays) scan.ranges_m[static_cast<size_t>(degrees + 180)] = range_m;
+  for (const auto& [degrees, range_m] : rays) {
+    const int beam = degrees + 180;
+    scan.ranges_m[static_cast<size_t>(beam)] = range_m;
+  }
   return scan;
 }
 

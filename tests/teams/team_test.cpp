@@ -166,7 +166,7 @@ TEST(Team, SaysHowManyRobotsFit) {
   for (int row = 0; row < closet.rows; ++row)
     for (int column = 0; column < closet.columns; ++column)
       if (row < 30 || row >= 50 || column < 20 || column >= 60)
-        closet.cells[static_cast<size_t>(row * closet.columns + column)] = world::Cell::kOccupied;
+        closet.cells[static_cast<size_t>(row) * closet.columns + column] = world::Cell::kOccupied;
   auto team = teamRequest(folder, closet, 4, "nearest_frontier");
   team.config = explore::quickConfig("nearest_frontier", 5, {"simulation.start=1.5,2,0"});
   try {

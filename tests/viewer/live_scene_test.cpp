@@ -22,7 +22,7 @@ world::Plan room() {
   for (int row = 0; row < 60; ++row)
     for (int column = 0; column < 80; ++column)
       if (row == 0 || column == 0 || row == 59 || column == 79)
-        plan.cells[static_cast<size_t>(row * 80 + column)] = world::Cell::kOccupied;
+        plan.cells[static_cast<size_t>(row) * 80 + column] = world::Cell::kOccupied;
   return plan;
 }
 

@@ -29,7 +29,7 @@ TEST(RasterImage, AThinWallSurvivesBeingMadeSmaller) {
     ASSERT_EQ(image.columns, 20);
     ASSERT_EQ(image.rows, 2);  // the last row of texels stands for fewer cells
     for (int column = 0; column < image.columns; ++column)
-      EXPECT_EQ(image.texels[static_cast<size_t>(20 + column)].red, column == wall / 5 ? 10 : 200);
+      EXPECT_EQ(image.texels[static_cast<size_t>(column) + 20].red, column == wall / 5 ? 10 : 200);
   }
 }
 
