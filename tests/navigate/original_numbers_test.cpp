@@ -50,7 +50,7 @@ TEST(OriginalCanMove, HasItsSectorsAtEighthsOfTheScan) {
 }
 
 TEST(OriginalCanMove, AnswersWithTheNumbersZeroToThree) {
-  const auto answer = [](std::vector<std::pair<size_t, float>> near) {
+  const auto answer = [](const std::vector<std::pair<size_t, float>>& near) {
     return static_cast<int>(safety::canMove(originalScan(360, 5, near), 0.5));
   };
   EXPECT_EQ(answer({}), 0);                            // both free

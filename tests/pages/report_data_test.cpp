@@ -29,7 +29,7 @@ report::ReportPage gather(const std::string& folder) {
 class ReportData : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new testing::TempFolder;
+    shared_folder = new testing::TempFolder;
     files::IniFile ini;
     ini.set("simulation", "duration_s", "10", "test");
     ini.set("lidar", "beams", "91", "test");
@@ -38,25 +38,25 @@ class ReportData : public ::testing::Test {
     request.record = record::readRecordConfig(ini);
     request.methods = {"naive_wheel", "graph"};
     request.methods_folder = resources::configsFolder() + "/methods";
-    request.output = *folder_ / "out";
+    request.output = *shared_folder / "out";
     score::compare(request, {}, core::silentProgress());
   }
   static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
+    delete shared_folder;
+    shared_folder = nullptr;
   }
   /// A copy that a test may spoil.
   std::string copy() {
-    const std::string path = own_ / "out";
-    fs::copy(*folder_ / "out", path, fs::copy_options::recursive);
+    std::string path = own_ / "out";
+    fs::copy(*shared_folder / "out", path, fs::copy_options::recursive);
     return path;
   }
-  static std::string output() { return *folder_ / "out"; }
+  static std::string output() { return *shared_folder / "out"; }
 
-  static testing::TempFolder* folder_;
+  static testing::TempFolder* shared_folder;
   testing::TempFolder own_;
 };
-testing::TempFolder* ReportData::folder_ = nullptr;
+testing::TempFolder* ReportData::shared_folder = nullptr;
 
 TEST_F(ReportData, AComparisonHasTheBestFirstTruthPlanAndScans) {
   const auto page = gather(output());

@@ -93,6 +93,7 @@ TEST(PlanningGround, LeavesANodesHolderWhatItHad) {
   PlanningGround ground;
   ground.update(map, options);
   const auto held = ground.nodes();
+  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): what is held must not change
   const auto before = *held;
   map.state[map.index(50, 50)] = kOccupiedCell;
   ground.update(map, options);

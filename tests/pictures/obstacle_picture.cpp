@@ -52,7 +52,7 @@ TEST(DrawObstacles, PutsAheadUpAndLeftLeft) {
   EXPECT_NEAR(seen[0].x - remembered[0].x, 1 * pixels_per_metre, 1);
   // White round what is seen, grey round what is remembered.
   const auto colourAt = [&](const cv::Point2d& p) {
-    const auto pixel = zone_only.at<cv::Vec3b>(static_cast<int>(p.y) + 20, static_cast<int>(p.x));
+    const auto& pixel = zone_only.at<cv::Vec3b>(static_cast<int>(p.y) + 20, static_cast<int>(p.x));
     return static_cast<int>(pixel[0]);
   };
   EXPECT_EQ(colourAt(seen[0]), 255);

@@ -35,7 +35,7 @@ class WorkerCopy : public ::testing::Test {
     if (!hasOneThread())
       GTEST_SKIP() << "tests before this one have left threads; by ctest each has its process";
   }
-  testing::TempFolder folder;
+  testing::TempFolder folder_;
 };
 
 TEST_F(WorkerCopy, ACopyOfThisProcessSaysWhatItPrintsAndReturns) {
@@ -48,23 +48,23 @@ TEST_F(WorkerCopy, ACopyOfThisProcessSaysWhatItPrintsAndReturns) {
         std::cerr << "err";
         return 7;
       },
-      folder / "stderr.txt"));
+      folder_ / "stderr.txt"));
   EXPECT_EQ(result.exit_code, 7);
   EXPECT_FALSE(result.killed);
   EXPECT_EQ(result.out, "out");
-  EXPECT_EQ(files::readTextFile(folder / "stderr.txt"), "err");
+  EXPECT_EQ(files::readTextFile(folder_ / "stderr.txt"), "err");
   EXPECT_EQ(changed, 1);
 }
 
 TEST_F(WorkerCopy, WhatACopyThrowsIsItsExitCodeAndALineOfJson) {
   const auto codeOf = [&](const auto& error) {
-    return resultOf(Worker([&]() -> int { throw error; }, folder / "stderr.txt")).exit_code;
+    return resultOf(Worker([&]() -> int { throw error; }, folder_ / "stderr.txt")).exit_code;
   };
   EXPECT_EQ(codeOf(core::IoError("x")), 1);
   EXPECT_EQ(codeOf(core::InputError("x")), 3);
   EXPECT_EQ(codeOf(core::MethodError("x")), 4);
   EXPECT_EQ(codeOf(core::Interrupted()), 130);
-  const auto result = resultOf(Worker([]() -> int { throw core::IoError("full"); }, folder / "stderr.txt"));
+  const auto result = resultOf(Worker([]() -> int { throw core::IoError("full"); }, folder_ / "stderr.txt"));
   EXPECT_THAT(result.out, HasSubstr("\"error\":\"full\""));
 }
 
@@ -72,14 +72,14 @@ TEST_F(WorkerCopy, ACopyHasTheFilesThatAProgramWouldHave) {
   const int own = open("/dev/null", O_RDONLY | O_CLOEXEC), shared = open("/dev/null", O_RDONLY);
   const auto isOpen = [](int file) { return fcntl(file, F_GETFD) >= 0; };
   const auto result = resultOf(
-      Worker([&] { return (isOpen(own) ? 1 : 0) + (isOpen(shared) ? 2 : 0); }, folder / "stderr.txt"));
+      Worker([&] { return (isOpen(own) ? 1 : 0) + (isOpen(shared) ? 2 : 0); }, folder_ / "stderr.txt"));
   EXPECT_EQ(result.exit_code, 2);
   close(own);
   close(shared);
 }
 
 TEST_F(WorkerCopy, ASignalShows) {
-  const auto result = resultOf(Worker([]() -> int { std::abort(); }, folder / "stderr.txt"));
+  const auto result = resultOf(Worker([]() -> int { std::abort(); }, folder_ / "stderr.txt"));
   EXPECT_TRUE(result.killed);
   EXPECT_EQ(result.exit_code, 128 + SIGABRT);
 }
@@ -89,7 +89,7 @@ TEST_F(WorkerCopy, AProcessOfSeveralThreadsIsNotCopied) {
   std::promise<void> end;
   std::thread other([&] { end.get_future().wait(); });
   EXPECT_FALSE(hasOneThread());
-  EXPECT_THROW(Worker([] { return 0; }, folder / "stderr.txt"), core::ContractError);
+  EXPECT_THROW(Worker([] { return 0; }, folder_ / "stderr.txt"), core::ContractError);
   end.set_value();
   other.join();
 }
@@ -126,14 +126,14 @@ std::string lived(std::string way, const std::string& line_out) {
 
 TEST_F(WorkerCopy, TheProgramThatItMeasuresEndsWithIt) {
   for (const std::string way : kWaysToLive) {
-    const std::string line_out = folder / ("line_out" + std::to_string(way.size()));
+    const std::string line_out = folder_ / ("line_out" + std::to_string(way.size()));
     Witness witness(line_out);
     Worker worker(
         [&] {
-          runMeasured(lived(way, line_out), folder.path(), {1000, 1000}, core::silentProgress());
+          runMeasured(lived(way, line_out), folder_.path(), {1000, 1000}, core::silentProgress());
           return 0;
         },
-        folder / "stderr.txt");
+        folder_ / "stderr.txt");
     witness.waitForStart();
     worker.signal(SIGKILL);
     EXPECT_EQ(witness.rest(), "") << way;
@@ -142,7 +142,7 @@ TEST_F(WorkerCopy, TheProgramThatItMeasuresEndsWithIt) {
 }
 
 TEST_F(WorkerCopy, WhatAProgramLeavesBehindEndsWithIt) {
-  const std::string line_out = folder / "line_out", started = folder / "started";
+  const std::string line_out = folder_ / "line_out", started = folder_ / "started";
   Witness witness(line_out);
   std::thread reader([&] { witness.waitForStart(); });
   // The shell ends as soon as the daemon runs.
@@ -150,7 +150,7 @@ TEST_F(WorkerCopy, WhatAProgramLeavesBehindEndsWithIt) {
   const auto outcome =
       runMeasured("setsid sh -c \"(echo started; echo now > '" + started + "'; sleep 60; echo survived) > '" +
                       line_out + "' &\"; read word < '" + started + "'; echo ended",
-                  folder.path(), {1000, 1000}, core::silentProgress());
+                  folder_.path(), {1000, 1000}, core::silentProgress());
   reader.join();
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(outcome.printed, "ended\n");
@@ -160,25 +160,26 @@ TEST_F(WorkerCopy, WhatAProgramLeavesBehindEndsWithIt) {
 TEST_F(WorkerCopy, WhatDetachesItselfIsCounted) {
   const std::string greedy = "awk 'BEGIN { while (1) a[i++] = i }'";
   EXPECT_THAT(
-      runMeasured("setsid " + greedy + " & sleep 60", folder.path(), {1000, 60}, core::silentProgress())
+      runMeasured("setsid " + greedy + " & sleep 60", folder_.path(), {1000, 60}, core::silentProgress())
           .limit,
       HasSubstr("more than 60 MB"));
-  EXPECT_GT(runMeasured("setsid sh -c 'i=0; while [ $i -lt 20000 ]; do i=$((i+1)); done'", folder.path(),
+  EXPECT_GT(runMeasured("setsid sh -c 'i=0; while [ $i -lt 20000 ]; do i=$((i+1)); done'", folder_.path(),
                         {1000, 1000}, core::silentProgress())
                 .cpu_s,
             0);
 }
 
 TEST_F(WorkerCopy, NoFileGrowsBeyondItsLimit) {
-  const auto outcome = runMeasured("yes > big", folder.path(), {1000, 1000, 0.5}, core::silentProgress());
+  const auto outcome = runMeasured("yes > big", folder_.path(), {1000, 1000, 0.5}, core::silentProgress());
   EXPECT_EQ(outcome.limit, "it wrote a file of more than 0.5 MB");
-  EXPECT_EQ(std::filesystem::file_size(folder / "big"), 1U << 19);
+  EXPECT_EQ(std::filesystem::file_size(folder_ / "big"), 1U << 19);
 }
 
 TEST_F(WorkerCopy, WhatIsPrintedWithoutEndTakesNoMemory) {
-  const auto outcome = runMeasured("echo begin; yes | head -c 40000000; echo the end", folder.path(),
+  const auto outcome = runMeasured("echo begin; yes | head -c 40000000; echo the end", folder_.path(),
                                    {1000, 1000}, core::silentProgress());
-  EXPECT_EQ(outcome.printed.size(), 2U * (1 << 18) + std::string("\n[39475726 bytes left out]\n").size());
+  EXPECT_EQ(outcome.printed.size(),
+            2 * (std::size_t{1} << 18) + std::string("\n[39475726 bytes left out]\n").size());
   EXPECT_THAT(outcome.printed, HasSubstr("\n[39475726 bytes left out]\n"));
   EXPECT_EQ(outcome.printed.substr(0, 8), "begin\ny\n");
   EXPECT_EQ(outcome.printed.substr(outcome.printed.size() - 10), "y\nthe end\n");

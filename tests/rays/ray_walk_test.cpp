@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -94,7 +95,7 @@ TEST(RayWalk, ALimitEndsItAtMostTwoColumnsLate) {
       within += entry.isWithin(limit);
       return true;
     });
-    EXPECT_EQ(within, 1 + static_cast<int>(limit + 0.5));
+    EXPECT_EQ(within, 1 + std::lround(limit));
     EXPECT_LE(static_cast<int>(all.size()), within + 2);
   }
 }

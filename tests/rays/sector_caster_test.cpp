@@ -28,6 +28,7 @@ using core::kPi;
 
 template <class Number>
 bool sameBits(Number a, Number b) {
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): bits are what is compared
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
@@ -261,8 +262,9 @@ TEST(SectorCaster, DecidesTiesAtCornersInAScanAsTheReferenceDoes) {
   plan.T_world_plan = {};
   Comparison compare(plan);
   core::RandomStream random(4, "ties");
+  constexpr std::uint64_t kQuarters = 240;
   for (int i = 0; i < 4000; ++i) {
-    const double x = double(random.below(4 * 60)) / 4, y = double(random.below(4 * 60)) / 4;
+    const double x = double(random.below(kQuarters)) / 4, y = double(random.below(kQuarters)) / 4;
     const double run = double(random.below(9)) - 4, rise = double(random.below(9)) - 4;
     compare.scan({x, y, 0}, std::atan2(rise, run), 0, 7, 0);
   }

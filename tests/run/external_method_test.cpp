@@ -125,7 +125,7 @@ TEST(CheckPath, FillsWhatIsLeftOutWithTheOdometry) {
 class External : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new testing::TempFolder;
+    shared_folder = new testing::TempFolder;
     files::IniFile ini;
     ini.set("simulation", "duration_s", "8", "test");
     ini.set("lidar", "beams", "181", "test");
@@ -133,14 +133,14 @@ class External : public ::testing::Test {
                    {}, core::silentProgress());
   }
   static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
+    delete shared_folder;
+    shared_folder = nullptr;
   }
-  static std::string log() { return *folder_ / "run.rawlog"; }
+  static std::string log() { return *shared_folder / "run.rawlog"; }
 
   /// An .ini beside which nothing else lies.
   std::string method(const std::string& command, const std::string& more = "") {
-    const std::string path = here_ / "mine.ini";
+    std::string path = here_ / "mine.ini";
     files::writeFileAtomically(path, "[method]\ntype = external\ncommand = " + command + "\n" + more);
     return path;
   }
@@ -154,9 +154,9 @@ class External : public ::testing::Test {
   }
 
   testing::TempFolder here_;
-  static testing::TempFolder* folder_;
+  static testing::TempFolder* shared_folder;
 };
-testing::TempFolder* External::folder_ = nullptr;
+testing::TempFolder* External::shared_folder = nullptr;
 
 /// A program that believes the wheels.
 const std::string kWheels =
@@ -338,7 +338,8 @@ class Shipped : public External {
     return resources::configsFolder() + "/plugins/" + name + ".ini";
   }
   static double error(const MapRun& run) {
-    return metrics::trajectoryError(logs::readTum(*folder_ / "run.gt.tum"), run.estimate).position_m.rmse;
+    return metrics::trajectoryError(logs::readTum(*shared_folder / "run.gt.tum"), run.estimate)
+        .position_m.rmse;
   }
 };
 

@@ -107,56 +107,57 @@ TEST(GridMaps, WhatIsNoneIsRefused) {
 class InAGrid : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new testing::TempFolder;
+    shared_folder = new testing::TempFolder;
     const world::Plan plan = world::loadPlan(resources::resolvePlan("flat"));
-    world::savePlan(plan, *folder_ / "flat.yaml");
+    world::savePlan(plan, *shared_folder / "flat.yaml");
     files::IniFile ini;
     ini.set("simulation", "duration_s", "30", "test");
     ini.set("lidar", "beams", "181", "test");
     for (const int seed : {1, 2})
       record::record(plan, record::readRecordConfig(ini), static_cast<std::uint64_t>(seed),
-                     *folder_ / ("drive" + std::to_string(seed) + ".rawlog"), {}, core::silentProgress());
+                     *shared_folder / ("drive" + std::to_string(seed) + ".rawlog"), {},
+                     core::silentProgress());
     build("drive1", {}, "map");
   }
   static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
+    delete shared_folder;
+    shared_folder = nullptr;
   }
   static MapRun build(const std::string& log, const Continuation& continuation, const std::string& output) {
-    return buildMap(*folder_ / (log + ".rawlog"),
+    return buildMap(*shared_folder / (log + ".rawlog"),
                     mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph"), "graph", 1,
-                    *folder_ / output, true, {}, core::silentProgress(), {false, continuation});
+                    *shared_folder / output, true, {}, core::silentProgress(), {false, continuation});
   }
   static core::Trajectory truthOf(const std::string& log) {
-    return logs::readTum(*folder_ / (log + ".gt.tum"));
+    return logs::readTum(*shared_folder / (log + ".gt.tum"));
   }
-  static testing::TempFolder* folder_;
+  static testing::TempFolder* shared_folder;
 };
-testing::TempFolder* InAGrid::folder_ = nullptr;
+testing::TempFolder* InAGrid::shared_folder = nullptr;
 
 TEST_F(InAGrid, ThePosesAreThoseOfTheRosMapsFrame) {
   const auto truth = truthOf("drive2");
-  const auto run = build("drive2", {*folder_ / "flat.yaml", true, truth.front().pose}, "in_plan");
+  const auto run = build("drive2", {*shared_folder / "flat.yaml", true, truth.front().pose}, "in_plan");
   ASSERT_TRUE(run.lost_share);
   EXPECT_EQ(*run.lost_share, 0);
   const auto evaluation =
-      score::evaluate(results::loadRun(*folder_ / "in_plan"), score::Truth{truth, {}, {}, {}});
+      score::evaluate(results::loadRun(*shared_folder / "in_plan"), score::Truth{truth, {}, {}, {}});
   EXPECT_EQ(evaluation.align, metrics::Align::kNone);
   EXPECT_LT(evaluation.trajectory.position_m.max, 0.05);  // a cell of the plan
   EXPECT_EQ(evaluation.lost_share, 0);
-  const auto map = world::loadPlan(*folder_ / "in_plan/map.yaml");
-  EXPECT_EQ(map.cells, world::loadPlan(*folder_ / "flat.yaml").cells);
+  const auto map = world::loadPlan(*shared_folder / "in_plan/map.yaml");
+  EXPECT_EQ(map.cells, world::loadPlan(*shared_folder / "flat.yaml").cells);
 }
 
 TEST_F(InAGrid, SoInMrptsGrid) {
   const auto truth = truthOf("drive2");
   const core::Pose2 T_world_map = truthOf("drive1").front().pose;
-  const std::string map = *folder_ / "map/map.gridmap.gz";
+  const std::string map = *shared_folder / "map/map.gridmap.gz";
   build("drive2", {map, true, core::between(T_world_map, truth.front().pose)}, "in_grid");
-  EXPECT_EQ(resources::fileSha256(*folder_ / "in_grid/map.gridmap.gz"), resources::fileSha256(map));
-  const auto run = results::loadRun(*folder_ / "in_grid");
+  EXPECT_EQ(resources::fileSha256(*shared_folder / "in_grid/map.gridmap.gz"), resources::fileSha256(map));
+  const auto run = results::loadRun(*shared_folder / "in_grid");
   const score::Alignment alignment{metrics::Align::kNone,
-                                   score::mapFrame(run.manifest, *folder_ / "drive1.gt.tum")};
+                                   score::mapFrame(run.manifest, *shared_folder / "drive1.gt.tum")};
   EXPECT_LT(core::distance(alignment.T_truth_map, T_world_map), 1e-9);
   EXPECT_LT(score::evaluate(run, score::Truth{truth, {}, {}, {}}, alignment).trajectory.position_m.rmse,
             0.05);

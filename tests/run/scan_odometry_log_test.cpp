@@ -34,7 +34,7 @@ using ::testing::HasSubstr;
 using Objects = std::vector<std::shared_ptr<mrpt::serialization::CSerializable>>;
 
 std::string writeDrive(const testing::TempFolder& folder, RawlogForm form, bool with_odometry) {
-  const std::string path = folder / "in.rawlog";
+  std::string path = folder / "in.rawlog";
   logs::LogWriter writer(path, form);
   for (auto entry : driveThroughRoom().entries) {
     entry.has_odometry = with_odometry;

@@ -54,21 +54,21 @@ Run runOf(const std::string& method, const std::string& log, const std::string& 
 class TurningLidar : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new testing::TempFolder;
+    shared_folder = new testing::TempFolder;
     simulate({"simulation.duration_s=40", "lidar.beams=271", "lidar.sweep=0.5", "lidar.sigma_m=0.01"},
-             *folder_ / "turning.rawlog");
+             *shared_folder / "turning.rawlog");
   }
-  static void TearDownTestSuite() { delete folder_; }
-  static testing::TempFolder* folder_;
+  static void TearDownTestSuite() { delete shared_folder; }
+  static testing::TempFolder* shared_folder;
 };
-testing::TempFolder* TurningLidar::folder_ = nullptr;
+testing::TempFolder* TurningLidar::shared_folder = nullptr;
 
 TEST_F(TurningLidar, IsDeskewedWithoutBeingAsked) {
-  const std::string log = *folder_ / "turning.rawlog";
-  const auto asked = runOf("graph", log, *folder_ / "asked");
+  const std::string log = *shared_folder / "turning.rawlog";
+  const auto asked = runOf("graph", log, *shared_folder / "asked");
   EXPECT_EQ(asked.results.at("swept_scans"), asked.results.at("deskewed_scans"));
   EXPECT_EQ(asked.map.skew_note, "");
-  const auto refused = runOf("graph", log, *folder_ / "refused", {"method.deskew=false"});
+  const auto refused = runOf("graph", log, *shared_folder / "refused", {"method.deskew=false"});
   EXPECT_EQ(refused.results.at("deskewed_scans"), "0");
   EXPECT_THAT(refused.map.skew_note,
               HasSubstr("scans were swept while the robot moved and were not deskewed"));
@@ -77,7 +77,7 @@ TEST_F(TurningLidar, IsDeskewedWithoutBeingAsked) {
 }
 
 TEST_F(TurningLidar, TheLogSaysHowItTurns) {
-  logs::LogReader log(*folder_ / "turning.rawlog");
+  logs::LogReader log(*shared_folder / "turning.rawlog");
   const auto entry = log.next();
   ASSERT_TRUE(entry && entry->sweep);
   EXPECT_NEAR(entry->sweep->duration_s, 0.1 * 270 / 271, 1e-9);
@@ -86,23 +86,23 @@ TEST_F(TurningLidar, TheLogSaysHowItTurns) {
 class TwoLidars : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new testing::TempFolder;
+    shared_folder = new testing::TempFolder;
     const std::vector<std::string> one = {"simulation.duration_s=30", "lidar.beams=181", "lidar.fov_deg=180",
                                           "lidar.mount_x_m=0.1"};
-    simulate(one, *folder_ / "one.rawlog");
+    simulate(one, *shared_folder / "one.rawlog");
     auto two = one;
     for (const char* setting : {"lidar rear.beams=91", "lidar rear.fov_deg=180", "lidar rear.mount_x_m=-0.1",
                                 "lidar rear.mount_yaw_deg=180"})
       two.emplace_back(setting);
-    simulate(two, *folder_ / "two.rawlog");
+    simulate(two, *shared_folder / "two.rawlog");
   }
-  static void TearDownTestSuite() { delete folder_; }
-  static testing::TempFolder* folder_;
+  static void TearDownTestSuite() { delete shared_folder; }
+  static testing::TempFolder* shared_folder;
 };
-testing::TempFolder* TwoLidars::folder_ = nullptr;
+testing::TempFolder* TwoLidars::shared_folder = nullptr;
 
 TEST_F(TwoLidars, TheSecondChangesNothingOfTheFirst) {
-  logs::LogReader one(*folder_ / "one.rawlog"), two(*folder_ / "two.rawlog", logs::kAllLidars);
+  logs::LogReader one(*shared_folder / "one.rawlog"), two(*shared_folder / "two.rawlog", logs::kAllLidars);
   size_t steps = 0;
   while (const auto entry = one.next()) {
     const auto both = two.next();
@@ -122,17 +122,17 @@ TEST_F(TwoLidars, TheSecondChangesNothingOfTheFirst) {
 
 TEST_F(TwoLidars, EveryMethodTakesThem) {
   for (const std::string method : {"naive_wheel", "icp", "rbpf", "particles", "graph"}) {
-    const auto both = runOf(method, *folder_ / "two.rawlog", *folder_ / method);
+    const auto both = runOf(method, *shared_folder / "two.rawlog", *shared_folder / method);
     EXPECT_EQ(both.results.at("lidars"), "LASER,rear") << method;
     EXPECT_EQ(both.map.steps_without_odometry, 0) << method;
-    const auto front =
-        runOf(method, *folder_ / "two.rawlog", *folder_ / (method + "_front"), {"method.lidars=LASER"});
+    const auto front = runOf(method, *shared_folder / "two.rawlog", *shared_folder / (method + "_front"),
+                             {"method.lidars=LASER"});
     EXPECT_EQ(front.results.at("lidars"), "LASER") << method;
     EXPECT_EQ(both.map.estimate.size(), front.map.estimate.size()) << method;
     // A map of both differs from one of the front; nowhere is it worse by more than 5 mm, which the noise may
     // do.
-    EXPECT_NE(files::readTextFile(*folder_ / (method + "/map.png")),
-              files::readTextFile(*folder_ / (method + "_front/map.png")))
+    EXPECT_NE(files::readTextFile(*shared_folder / (method + "/map.png")),
+              files::readTextFile(*shared_folder / (method + "_front/map.png")))
         << method;
     EXPECT_LT(both.ate_m, front.ate_m + 0.005) << method;
   }

@@ -31,16 +31,16 @@ constexpr int kBadScan = 60;
 class BrokenOdometry : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new testing::TempFolder;
+    shared_folder = new testing::TempFolder;
     files::IniFile ini;
     ini.set("simulation", "duration_s", "20", "test");
     ini.set("lidar", "beams", "181", "test");
-    const std::string whole = *folder_ / "whole.rawlog";
+    const std::string whole = *shared_folder / "whole.rawlog";
     record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole,
                    {}, core::silentProgress());
     logs::LogReader log(whole);
-    logs::LogWriter bad(*folder_ / "bad.rawlog", rawlogs::RawlogForm::kActionFrame);
-    logs::LogWriter first(*folder_ / "first.rawlog", rawlogs::RawlogForm::kActionFrame);
+    logs::LogWriter bad(*shared_folder / "bad.rawlog", rawlogs::RawlogForm::kActionFrame);
+    logs::LogWriter first(*shared_folder / "first.rawlog", rawlogs::RawlogForm::kActionFrame);
     for (int i = 0; auto entry = log.next(); ++i) {
       if (i < kBadScan) first.write(*entry);
       if (i == kBadScan) entry->T_previous_robot.x = 1e6;
@@ -50,18 +50,18 @@ class BrokenOdometry : public ::testing::Test {
     first.close();
   }
   static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
+    delete shared_folder;
+    shared_folder = nullptr;
   }
   static MapRun build(const std::string& method, const std::string& log, const std::string& output,
                       core::Progress& progress = core::silentProgress(), bool keep_partial = false) {
     const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", method);
-    return buildMap(*folder_ / (log + ".rawlog"), config, method, 1, *folder_ / output, true, {}, progress,
-                    {false, {}, nullptr, keep_partial});
+    return buildMap(*shared_folder / (log + ".rawlog"), config, method, 1, *shared_folder / output, true, {},
+                    progress, {false, {}, nullptr, keep_partial});
   }
-  static testing::TempFolder* folder_;
+  static testing::TempFolder* shared_folder;
 };
-testing::TempFolder* BrokenOdometry::folder_ = nullptr;
+testing::TempFolder* BrokenOdometry::shared_folder = nullptr;
 
 TEST_F(BrokenOdometry, WhatWasMappedBeforeIsKept) {
   for (const std::string method : {"particles", "icp", "rbpf", "naive_wheel"}) {
@@ -70,48 +70,50 @@ TEST_F(BrokenOdometry, WhatWasMappedBeforeIsKept) {
     EXPECT_EQ(run.stopped->reason, results::Stop::Reason::kFailed);
     EXPECT_EQ(run.stopped->scan, kBadScan) << method;
     EXPECT_THAT(run.stopped->why, HasSubstr("the map would hold")) << method;
-    const auto partial = results::loadRun(*folder_ / method);
+    const auto partial = results::loadRun(*shared_folder / method);
     EXPECT_EQ(partial.estimate.size(), static_cast<size_t>(kBadScan)) << method;
     EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
     EXPECT_THAT(partial.manifest.results.at("failed"), HasSubstr("at scan 60 (12.0 s): "));
-    const auto journal = results::readJournal(*folder_ / (method + "/journal.csv"));
+    const auto journal = results::readJournal(*shared_folder / (method + "/journal.csv"));
     EXPECT_EQ(journal.back().event, core::JournalEvent::kFailed) << method;
     EXPECT_EQ(journal.back().scan, kBadScan - 1);
     EXPECT_THAT(journal.back().detail, HasSubstr("the map would hold"));
     for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap", "map.3Dscene"})
-      EXPECT_TRUE(fs::exists(*folder_ / (method + "/" + file))) << method << " " << file;
+      EXPECT_TRUE(fs::exists(*shared_folder / (method + "/" + file))) << method << " " << file;
     // A method that gives its path as it goes has mapped what it maps of the first part alone.
     build(method, "first", method + "_first");
-    EXPECT_EQ(resources::fileSha256(*folder_ / (method + "/trajectory.tum")),
-              resources::fileSha256(*folder_ / (method + "_first/trajectory.tum")))
+    EXPECT_EQ(resources::fileSha256(*shared_folder / (method + "/trajectory.tum")),
+              resources::fileSha256(*shared_folder / (method + "_first/trajectory.tum")))
         << method;
   }
 }
 
 TEST_F(BrokenOdometry, AComparisonHasARowThatSaysWhereAndKeepsTheFolder) {
   score::CompareRequest request;
-  request.log_path = *folder_ / "bad.rawlog";
+  request.log_path = *shared_folder / "bad.rawlog";
   request.methods_folder = resources::configsFolder() + "/methods";
   request.methods = {"naive_wheel", "icp"};
-  request.output = *folder_ / "compared";
+  request.output = *shared_folder / "compared";
   const auto comparison = score::compare(request, {}, core::silentProgress());
   EXPECT_EQ(comparison.failed, 2);
   EXPECT_THAT(comparison.evaluations[1].failure, HasSubstr("at scan 60 (12.0 s): "));
   EXPECT_TRUE(std::isnan(comparison.evaluations[1].path_length_m));
-  EXPECT_TRUE(fs::exists(*folder_ / "compared/icp/map.png"));
-  EXPECT_THAT(files::readTextFile(*folder_ / "compared/scores.txt"), HasSubstr("icp failed: at scan 60"));
+  EXPECT_TRUE(fs::exists(*shared_folder / "compared/icp/map.png"));
+  EXPECT_THAT(files::readTextFile(*shared_folder / "compared/scores.txt"),
+              HasSubstr("icp failed: at scan 60"));
 }
 
 TEST_F(BrokenOdometry, AMapThatCannotBeDrawnLeavesItsPathAndKeyFrames) {
   auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph");
   config.setFromArgument("mapping.max_map_cells=10000", "test");
-  const auto run = buildMap(*folder_ / "first.rawlog", config, "graph", 1, *folder_ / "undrawn", true, {},
-                            core::silentProgress(), {false});
+  const auto run = buildMap(*shared_folder / "first.rawlog", config, "graph", 1, *shared_folder / "undrawn",
+                            true, {}, core::silentProgress(), {false});
   ASSERT_TRUE(run.stopped.has_value());
   EXPECT_THAT(run.stopped->why, HasSubstr("max_map_cells"));
-  EXPECT_EQ(logs::readTum(*folder_ / "undrawn/trajectory_final.tum").size(), static_cast<size_t>(kBadScan));
-  EXPECT_TRUE(fs::exists(*folder_ / "undrawn/map.simplemap"));
-  const auto manifest = resources::readManifest(*folder_ / "undrawn/manifest.json");
+  EXPECT_EQ(logs::readTum(*shared_folder / "undrawn/trajectory_final.tum").size(),
+            static_cast<size_t>(kBadScan));
+  EXPECT_TRUE(fs::exists(*shared_folder / "undrawn/map.simplemap"));
+  const auto manifest = resources::readManifest(*shared_folder / "undrawn/manifest.json");
   EXPECT_EQ(manifest.files.count("map.png"), 0U);
   EXPECT_EQ(manifest.files.count("map.simplemap"), 1U);
 }
@@ -133,14 +135,14 @@ TEST_F(BrokenOdometry, AnInterruptKeepsWhatIsThereWhenAskedTo) {
   const auto run = build("icp", "first", "interrupted", progress, true);
   ASSERT_TRUE(run.stopped.has_value());
   EXPECT_EQ(run.stopped->reason, results::Stop::Reason::kInterrupted);
-  const auto partial = results::loadRun(*folder_ / "interrupted");
+  const auto partial = results::loadRun(*shared_folder / "interrupted");
   EXPECT_EQ(partial.estimate.size(), 20U);
   EXPECT_EQ(partial.manifest.results.at("interrupted"), "at scan 20 (3.8 s)");
-  EXPECT_EQ(results::readJournal(*folder_ / "interrupted/journal.csv").back().event,
+  EXPECT_EQ(results::readJournal(*shared_folder / "interrupted/journal.csv").back().event,
             core::JournalEvent::kInterrupted);
   StopAt again(20);
   EXPECT_THROW(build("icp", "first", "not kept", again), core::Interrupted);
-  EXPECT_FALSE(fs::exists(*folder_ / "not kept"));
+  EXPECT_FALSE(fs::exists(*shared_folder / "not kept"));
 }
 
 }  // namespace

@@ -34,15 +34,15 @@ files::IniFile config() {
 class TwoVisits : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new testing::TempFolder;
+    shared_folder = new testing::TempFolder;
     visit("monday", "flat", 2, "auto", "150");
     // From the other end of the flat, with other furniture.
     visit("tuesday", "flat", 7, "9.5,8,180", "150", "2");
     visit("elsewhere", "pillar_hall", 3, "auto", "30");
   }
   static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
+    delete shared_folder;
+    shared_folder = nullptr;
   }
   static void visit(const std::string& name, const std::string& plan, std::uint64_t seed,
                     const std::string& start, const std::string& duration_s,
@@ -52,18 +52,19 @@ class TwoVisits : public ::testing::Test {
     ini.set("simulation", "start", start, "test");
     ini.set("strategy", "name", "wall_follow", "test");
     ini.set("living", "visit", number, "test");
-    const std::string log = *folder_ / (name + ".rawlog");
+    const std::string log = *shared_folder / (name + ".rawlog");
     record::record(world::loadPlan(resources::resolvePlan(plan)), record::readRecordConfig(ini), seed, log,
                    {}, core::silentProgress());
-    run::buildMap(log, config(), "graph", 1, *folder_ / name, true, {}, core::silentProgress(), {false});
+    run::buildMap(log, config(), "graph", 1, *shared_folder / name, true, {}, core::silentProgress(),
+                  {false});
   }
-  static std::string at(const std::string& name) { return *folder_ / name; }
+  static std::string at(const std::string& name) { return *shared_folder / name; }
   static MergedMap merge(const std::vector<std::string>& maps, const std::string& output) {
     return mergeMaps(maps, config(), at(output), true, {}, core::silentProgress());
   }
-  static testing::TempFolder* folder_;
+  static testing::TempFolder* shared_folder;
 };
-testing::TempFolder* TwoVisits::folder_ = nullptr;
+testing::TempFolder* TwoVisits::shared_folder = nullptr;
 
 /// Where each path has the world's frame in the merged map.
 core::Pose2 worldIn(const std::string& path, const std::string& truth) {
