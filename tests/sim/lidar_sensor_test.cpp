@@ -46,7 +46,7 @@ lidar::Scan look(const Plan& plan, const lidar::LidarOptions& options, const Pos
 }
 
 /// The middle of three beams.
-float lookAhead(const Plan& plan, lidar::LidarOptions options, const Pose2& pose) {
+float lookAhead(const Plan& plan, const lidar::LidarOptions& options, const Pose2& pose) {
   return look(plan, options, pose).ranges_m[1];
 }
 

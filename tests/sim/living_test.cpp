@@ -271,7 +271,7 @@ TEST(LivingWorld, SaysWhenThereIsNoDoorToMove) {
   world::Plan plan = twoRooms();
   plan.doors.clear();
   try {
-    movers::Scene(plan, quickDoor(), 1, {});
+    const movers::Scene scene(plan, quickDoor(), 1, {});
     FAIL();
   } catch (const core::InputError& error) {
     EXPECT_STREQ(
