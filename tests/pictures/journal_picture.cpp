@@ -47,7 +47,7 @@ class JournalPicture : public ::testing::Test {
     int pixels = 0;
     for (int y = 70; y < 950 && y < picture.rows; ++y)
       for (int x = 0; x < picture.cols; ++x) {
-        const auto pixel = picture.at<cv::Vec3b>(y, x);
+        const auto& pixel = picture.at<cv::Vec3b>(y, x);
         pixels += pixel[0] == colour.blue && pixel[1] == colour.green && pixel[2] == colour.red ? 1 : 0;
       }
     return pixels;

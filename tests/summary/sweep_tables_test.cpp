@@ -81,7 +81,8 @@ TEST(SweepConsistency, SaysWhoIsOverconfidentAndWhoSaysNothing) {
   // `good` is overconfident online (ANEES 1.5, 2, ..., 6) and of the final poses neither (0.5 and 1.5 in
   // turn); `bad` states nothing.
   for (std::size_t i = 0; i < sweep.results.size(); i += 2) {
-    const double seed = static_cast<double>(i / 2 + 1);
+    const std::size_t number = i / 2 + 1;
+    const double seed = static_cast<double>(number);
     auto& figures = sweep.results[i]->figures;
     figures.emplace_back("anees", 1 + seed / 2);
     figures.emplace_back("within_50_share", 0.25);

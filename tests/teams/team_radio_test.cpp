@@ -135,7 +135,7 @@ TEST(TeamRadio, MapsAreAskedOfThoseInHearingAndPassedOn) {
 TEST(TeamRadio, MapsComeInTheListenersFrame) {
   TeamRadio radio({{0, 0, 0}, {2, 0, 0}}, 10);
   radio.listen({{0, 0}, {2, 0}});
-  const auto theirs = std::make_shared<const Raster>(rowOf({0, 1, 0.5F, 0.5F}));
+  auto theirs = std::make_shared<const Raster>(rowOf({0, 1, 0.5F, 0.5F}));
   radio.fetchMaps(0, 1, [&](std::size_t) { return theirs; });
   const Raster filled = radio.mapOf(0, rowOf({0, 0, 0.5F, 0.5F}));
   // Their cells 0 and 1 are this one's cells 2 and 3; what it has itself stays.

@@ -60,7 +60,7 @@ std::optional<cv::Mat> rendered(LiveScene& scene, const Camera& camera) {
 }
 
 bool isNear(const cv::Mat& picture, const draw::Pixel& at, draw::Colour colour, int slack = 12) {
-  const auto pixel = picture.at<cv::Vec3b>(static_cast<int>(at.y), static_cast<int>(at.x));
+  const auto& pixel = picture.at<cv::Vec3b>(static_cast<int>(at.y), static_cast<int>(at.x));
   return std::abs(pixel[0] - colour.blue) <= slack && std::abs(pixel[1] - colour.green) <= slack &&
          std::abs(pixel[2] - colour.red) <= slack;
 }

@@ -69,7 +69,7 @@ std::string drawing(const Plan& plan) {
   return text;
 }
 
-const char* kHeader = "image: good.png\nresolution: 0.05\norigin: [0, 0, 0]\n";
+const char* const kHeader = "image: good.png\nresolution: 0.05\norigin: [0, 0, 0]\n";
 
 TEST_F(Plans, PutThePicturesTopRowLast) {
   const Plan plan =
