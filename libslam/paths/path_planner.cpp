@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 namespace slam::paths {
@@ -91,11 +92,17 @@ PathPlanner::Node PathPlanner::nodeOf(std::size_t cell) const {
 /// Two admitted cells of neighbouring nodes may lie a few cells apart, with something between them.
 bool PathPlanner::passes(Node a, Node b) const {
   if (per_node_ == 1) return true;
-  const auto width = static_cast<std::size_t>(space_.columns);
-  const std::size_t cell_a = cellOf(a), cell_b = cellOf(b);
-  const auto middle = [&](std::size_t u, std::size_t v) { return static_cast<int>((u + v) / 2); };
+  const int width = space_.columns;
+  const auto cell_a = static_cast<int>(cellOf(a)), cell_b = static_cast<int>(cellOf(b));
+  const int columns = cell_b % width - cell_a % width, rows = cell_b / width - cell_a / width;
+  const int steps = std::max(std::abs(columns), std::abs(rows));
+  // A robot that is narrower than the way from one cell to the other: none between may be a wall.
+  for (int i = 1; i < steps; ++i)
+    if (nodes_->clearance[space_.index(cell_a % width + columns * i / steps,
+                                       cell_a / width + rows * i / steps)] == 0)
+      return false;
   const auto between =
-      space_.index(middle(cell_a % width, cell_b % width), middle(cell_a / width, cell_b / width));
+      space_.index((cell_a % width + cell_b % width) / 2, (cell_a / width + cell_b / width) / 2);
   const bool near_start =
       tight_ < nodes_->admitted && core::distance(space_.centreOf(between), robot_) <= kEscape_m;
   return nodes_->clearance[between] >= (near_start ? tight_ : nodes_->admitted);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
@@ -125,6 +127,26 @@ TEST(PathPlanner, DoesNotFitThroughADoorThatIsTooNarrowButLooksIn) {
   ASSERT_TRUE(access);  // in the door, 0.6 m from where it can stand
   EXPECT_LT(planner.pointOf(*access).x, 2.2);
   EXPECT_FALSE(planner.accessOf(nodeAt(planner, space, 4.4, 1.9)));
+}
+
+// A node is several cells, and the best of its cells may lie behind a wall that is thinner than a node.
+TEST(PathPlanner, StepsThroughNoThinWall) {
+  PlannerOptions options;
+  options.radius_m = options.comfort_m = 0.05;
+  options.look_m = 0;
+  for (const int per_node : {2, 3, 4})
+    for (int wall = 9; wall < 13; ++wall) {
+      options.node_m = 0.1 * per_node;
+      std::string line(24, '.');
+      line.front() = line.back() = line[static_cast<size_t>(wall)] = '#';
+      std::vector<std::string> lines(16, line);
+      lines.front() = lines.back() = std::string(24, '#');
+      const auto space = readFreeSpace(drawnMap(lines, 0.1));
+      const PathPlanner planner(space, options, {0.5, 0.8});
+      EXPECT_TRUE(planner.isReached(nodeAt(planner, space, 0.3, 1.2)));
+      EXPECT_FALSE(planner.isReached(nodeAt(planner, space, 2.0, 0.8)))
+          << per_node << " cells a node, wall in column " << wall;
+    }
 }
 
 TEST(PathPlanner, LeavesAPlaceThatDoesNotAdmitTheRobot) {
