@@ -13,8 +13,8 @@
 #include "apps/quiet.h"
 #include "apps/stream_output.h"
 #include "libslam/core/error.h"
+#include "libslam/edit/convert.h"
 #include "libslam/files/files.h"
-#include "libslam/logs/convert.h"
 #include "libslam/logs/log_format.h"
 
 namespace slam::apps {
@@ -81,7 +81,7 @@ void print(const nlohmann::ordered_json& summary) {
 }
 
 int printReport(const Context& context, const ConvertArguments& arguments,
-                const logs::ConversionReport& report) {
+                const edit::ConversionReport& report) {
   if (context.json) {
     print({{"from", logs::formatName(report.from)},
            {"files", report.files},
@@ -171,7 +171,7 @@ int convert(const Context& context, const ConvertArguments& arguments, const sim
                            (from_operations ? "one" : "none") + ", to become " + target.name);
   ConsoleProgress progress(context.quiet);
   if (target.log) {
-    const auto report = logs::convertLog(arguments.in, arguments.out,
+    const auto report = edit::convertLog(arguments.in, arguments.out,
                                          {*target.log, form, arguments.label, context.overwrite}, progress);
     return printReport(context, arguments, report);
   }
@@ -181,9 +181,9 @@ int convert(const Context& context, const ConvertArguments& arguments, const sim
     logs::writeTrajectory(trajectory, arguments.out, target.trajectory);
     return printPoses(context, arguments, trajectory.size());
   }
-  const auto path = arguments.path == "truth" ? logs::LogPath::kTruth : logs::LogPath::kOdometry;
+  const auto path = arguments.path == "truth" ? edit::LogPath::kTruth : edit::LogPath::kOdometry;
   return printPoses(context, arguments,
-                    logs::exportTrajectory(arguments.in, path, arguments.label, arguments.out,
+                    edit::exportTrajectory(arguments.in, path, arguments.label, arguments.out,
                                            target.trajectory, context.overwrite, progress));
 }
 

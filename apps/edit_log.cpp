@@ -9,8 +9,8 @@
 #include "apps/console.h"
 #include "apps/edited_log.h"
 #include "libslam/core/error.h"
+#include "libslam/edit/log_edit.h"
 #include "libslam/files/files.h"
-#include "libslam/logs/log_edit.h"
 #include "libslam/record/record.h"
 #include "libslam/run/scan_odometry_log.h"
 #include "libslam/run/told_commands.h"
@@ -28,12 +28,12 @@ double number(const std::string& text, const char* flag, const char* expected) {
   return value;
 }
 
-std::optional<logs::LogMoment> moment(const std::string& text, const char* flag) {
+std::optional<edit::LogMoment> moment(const std::string& text, const char* flag) {
   if (text.empty()) return std::nullopt;
   const bool is_absolute = text[0] == '@';
   const double seconds = number(is_absolute ? text.substr(1) : text, flag,
                                 "seconds after the log's first stamp, or @ and seconds since 1970");
-  return logs::LogMoment{seconds, is_absolute};
+  return edit::LogMoment{seconds, is_absolute};
 }
 
 struct CutArguments {
@@ -43,7 +43,7 @@ struct CutArguments {
 
 int cut(const Context& context, const CutArguments& arguments) {
   files::refuseToOverwrite(context.output, context.overwrite);
-  logs::CutOptions options;
+  edit::CutOptions options;
   options.from = moment(arguments.from, "--from");
   options.to = moment(arguments.to, "--to");
   options.salvage = arguments.salvage;
@@ -51,9 +51,9 @@ int cut(const Context& context, const CutArguments& arguments) {
     throw core::InputError("cut: found neither --from nor --to nor --salvage, expected one of them");
   if (!truth::findTruth(arguments.log).empty())
     for (const std::string end : {".gt.tum", ".manifest.json"})
-      files::refuseToOverwrite(truth::logStem(context.output) + end, context.overwrite);
+      files::refuseToOverwrite(truth::besideLog(context.output, end), context.overwrite);
   ConsoleProgress progress(context.quiet);
-  const auto counts = logs::cutLog(arguments.log, context.output, options, progress);
+  const auto counts = edit::cutLog(arguments.log, context.output, options, progress);
   return reportEditedLog(context, counts, truth::keepTruth(arguments.log, context.output));
 }
 
@@ -76,8 +76,8 @@ core::Pose2 mountOf(const std::string& text) {
           core::degToRad(number(text.substr(second + 1), "--mount", expected))};
 }
 
-logs::FilterOptions filterOptions(const FilterArguments& arguments) {
-  logs::FilterOptions options;
+edit::FilterOptions filterOptions(const FilterArguments& arguments) {
+  edit::FilterOptions options;
   options.keep_labels = arguments.keep_labels;
   options.drop_labels = arguments.drop_labels;
   options.drop_truth = arguments.drop_truth;
@@ -95,7 +95,7 @@ logs::FilterOptions filterOptions(const FilterArguments& arguments) {
 }
 
 /// Whether anything but the odometry is to be done.
-bool editsObservations(const logs::FilterOptions& options) {
+bool editsObservations(const edit::FilterOptions& options) {
   return !options.keep_labels.empty() || !options.drop_labels.empty() || options.drop_truth ||
          options.every > 1 || options.no_return_m || options.step_rad || options.mount ||
          !options.shift_s.empty();
@@ -162,7 +162,7 @@ int filter(const Context& context, const FilterArguments& arguments) {
   if (arguments.odometry.empty()) {
     if (!arguments.form.empty())
       throw core::InputError("--form: goes with --odometry; 'rasterslam convert' changes the form alone");
-    return reportEditedLog(context, logs::filterLog(arguments.log, context.output, options, progress));
+    return reportEditedLog(context, edit::filterLog(arguments.log, context.output, options, progress));
   }
   auto odometry = odometryOptions(arguments);
   if (arguments.odometry == "argmax")
@@ -170,7 +170,7 @@ int filter(const Context& context, const FilterArguments& arguments) {
   std::string log = arguments.log;
   const files::PendingFile filtered(context.output + ".filtered");  // never committed
   if (editsObservations(options)) {
-    logs::filterLog(log, filtered.path(), options, progress);
+    edit::filterLog(log, filtered.path(), options, progress);
     log = filtered.path();
   }
   return reportOdometry(context, arguments.odometry,

@@ -14,7 +14,7 @@ void addEditedLog(CLI::App* command, Context& context, const std::string& what) 
   addJson(command, context);
 }
 
-int reportEditedLog(const Context& context, const logs::EditCounts& counts,
+int reportEditedLog(const Context& context, const edit::EditCounts& counts,
                     const std::vector<std::string>& beside) {
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"output", context.output},      {"read", counts.read},

@@ -10,8 +10,8 @@
 #include "apps/console.h"
 #include "apps/edited_log.h"
 #include "libslam/core/error.h"
+#include "libslam/edit/log_edit.h"
 #include "libslam/files/files.h"
-#include "libslam/logs/log_edit.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/resources/resources.h"
 #include "libslam/sessions/merge_maps.h"
@@ -24,7 +24,7 @@ int mergeLogs(const Context& context, const std::vector<std::string>& logs) {
     throw core::InputError("merge: found " + std::to_string(logs.size()) + " logs, expected two");
   files::refuseToOverwrite(context.output, context.overwrite);
   ConsoleProgress progress(context.quiet);
-  return reportEditedLog(context, logs::mergeLogs(logs[0], logs[1], context.output, progress));
+  return reportEditedLog(context, edit::mergeLogs(logs[0], logs[1], context.output, progress));
 }
 
 std::string lineOf(const sessions::MergedSession& merged, bool is_first) {

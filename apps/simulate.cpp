@@ -67,7 +67,7 @@ int simulate(const Context& context, const SimulateArguments& arguments) {
   const std::string plan_path = resources::resolvePlan(arguments.plan);
   const auto commands = readUserCommands(arguments.commands);
   const std::string log_path = context.output.empty() ? "run.rawlog" : context.output;
-  for (const auto& path : {log_path, truth::logStem(log_path) + ".gt.tum"})
+  for (const auto& path : {log_path, truth::besideLog(log_path, ".gt.tum")})
     files::refuseToOverwrite(path, context.overwrite);
   const auto plan = world::loadPlan(plan_path);
   warnOfPlan(context, plan_path);

@@ -84,7 +84,7 @@ Show showOf(const Start& start, const record::RecordConfig& config, std::uint64_
 }
 
 void refuseToOverwriteLog(const Context& context, const std::string& log_path) {
-  for (const auto& path : {log_path, truth::logStem(log_path) + ".gt.tum"})
+  for (const auto& path : {log_path, truth::besideLog(log_path, ".gt.tum")})
     files::refuseToOverwrite(path, context.overwrite);
 }
 

@@ -17,7 +17,7 @@ PICTURE = HERE / "rooms.svg"
 TRUTH = {"world", "rays", "buildings", "drafting", "check", "movers", "sim", "mrptworld", "metrics", "oracle", "draw", "pictures", "report", "viewer"}
 ROBOT = {"gridmap", "scanmatch", "sparse", "posegraph", "certified", "obstacles", "safety", "paths", "goals", "choices", "strategies", "navigate", "mrptnav",
          "odometry", "wheels", "keyframes", "loops", "graph", "particles", "builders", "methods", "mapping"}
-FLOOR = {"core", "files", "resources", "lidar", "robot", "objects", "bags", "rawlogs", "logs", "stats", "table", "calibration", "doctor", "process"}
+FLOOR = {"core", "threads", "files", "resources", "lidar", "robot", "objects", "bags", "rawlogs", "logs", "edit", "stats", "table", "calibration", "doctor", "process"}
 WIDTH, BOX, ROW = 1180, (104, 30), 74
 
 

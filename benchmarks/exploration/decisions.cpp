@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "libslam/buildings/generator.h"
-#include "libslam/core/cpu_time.h"
 #include "libslam/strategies/strategy.h"
+#include "libslam/threads/cpu_time.h"
 
 namespace {
 using namespace slam;
@@ -75,10 +75,10 @@ Costs decide(const std::string& name, const world::Plan& plan, gridmap::Occupanc
   double time_s = 0;
   auto scan = look(plan, robot, time_s, map);
   for (int i = 0; i < decisions; ++i) {
-    const double before_s = core::threadCpuSeconds();
+    const double before_s = threads::cpuSeconds();
     strategy->seeMap(map);
     const auto decision = strategy->decide(scan, {robot.x, robot.y, 0});
-    costs.ms.push_back(1000 * (core::threadCpuSeconds() - before_s));
+    costs.ms.push_back(1000 * (threads::cpuSeconds() - before_s));
     add(costs, decision);
     if (decision.finished) {
       costs.end = "finished";

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/cpu_time.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/graph/graph_slam.h"
@@ -17,6 +16,7 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/relation_error.h"
 #include "libslam/metrics/trajectory_error.h"
+#include "libslam/threads/cpu_time.h"
 
 namespace {
 
@@ -67,14 +67,14 @@ void runOnce(const BenchLog& log, const Variant& variant, int seed) {
                              rounded(odom.phi, variant.round_rad)};
     const Pose2 increment = slam::core::between(T_odom_before, T_odom_robot);
     T_odom_before = T_odom_robot;
-    const double begin_s = slam::core::threadCpuSeconds();
+    const double begin_s = slam::threads::cpuSeconds();
     const auto step = graph.process(scan, increment, entry.has_odometry && variant.odometry);
-    cpu_s += slam::core::threadCpuSeconds() - begin_s;
+    cpu_s += slam::threads::cpuSeconds() - begin_s;
     online.push_back({scan.time_s, step.T_map_robot});
   }
-  const double begin_s = slam::core::threadCpuSeconds();
+  const double begin_s = slam::threads::cpuSeconds();
   graph.finish();
-  cpu_s += slam::core::threadCpuSeconds() - begin_s;
+  cpu_s += slam::threads::cpuSeconds() - begin_s;
   Trajectory in_the_end = online;
   const auto poses = graph.poses();
   for (size_t i = 0; i < poses.size(); ++i) in_the_end[i].pose = poses[i];

@@ -10,13 +10,13 @@
 #include <limits>
 
 #include "libslam/certified/global.h"
-#include "libslam/core/cpu_time.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/table/table.h"
 #include "libslam/testing/pose_graphs.h"
+#include "libslam/threads/cpu_time.h"
 
 namespace {
 
@@ -64,13 +64,13 @@ struct Tally {
     // Local and global ends differ by rounding where they are the same minimum.
     const double as_good = best + 1e-3 * (1 + best);
     PoseGraph work = start;
-    double began = core::threadCpuSeconds();
+    double began = threads::cpuSeconds();
     local += posegraph::optimize(work).final_chi2 <= as_good;
-    local_ms.push_back(1e3 * (core::threadCpuSeconds() - began));
+    local_ms.push_back(1e3 * (threads::cpuSeconds() - began));
     work = start;
-    began = core::threadCpuSeconds();
+    began = threads::cpuSeconds();
     const auto result = certified::optimizeGlobally(work);
-    global_ms.push_back(1e3 * (core::threadCpuSeconds() - began));
+    global_ms.push_back(1e3 * (threads::cpuSeconds() - began));
     found += result.optimum.final_chi2 <= as_good;
     certified += result.certificate.is_optimal;
     const auto& c = result.certificate;

@@ -11,7 +11,6 @@
 #include <iostream>
 #include <sstream>
 
-#include "libslam/core/cpu_time.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/files/files.h"
@@ -22,6 +21,7 @@
 #include "libslam/table/table.h"
 #include "libslam/testing/pose_graphs.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/threads/cpu_time.h"
 
 namespace {
 
@@ -54,9 +54,9 @@ double sum(const std::vector<double>& values) {
 }
 
 double milliseconds(const std::function<void()>& work) {
-  const double start = core::threadCpuSeconds();
+  const double start = threads::cpuSeconds();
   work();
-  return 1e3 * (core::threadCpuSeconds() - start);
+  return 1e3 * (threads::cpuSeconds() - start);
 }
 
 double medianMilliseconds(const std::function<void()>& work) {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/thread_team.h"
+#include "libslam/threads/thread_team.h"
 
 namespace slam::explore {
 namespace fs = std::filesystem;
@@ -84,7 +84,7 @@ void runJobs(std::vector<ExplorationJob>& jobs, const world::Plan& plan, const L
              record::StepObserver* observer) {
   SharedProgress shared(progress, jobs.size());
   std::atomic<bool> ended{false};
-  core::ThreadTeam(thread_count).forEach(jobs.size(), [&](size_t i) {
+  threads::ThreadTeam(thread_count).forEach(jobs.size(), [&](size_t i) {
     if (ended) return;
     try {
       SharedProgress::OfOneRun of_this_run(shared);

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "libslam/core/cpu_time.h"
 #include "libslam/navigate/return_to_start.h"
 #include "libslam/record/sensor.h"
 #include "libslam/robot/drive.h"
+#include "libslam/threads/cpu_time.h"
 
 namespace slam::explore {
 namespace {
@@ -83,7 +83,7 @@ void ExploringRobot::locate() {
 }
 
 robot::Command ExploringRobot::decide(const gridmap::OccupancyRaster* map) {
-  const double before_s = core::threadCpuSeconds();
+  const double before_s = threads::cpuSeconds();
   if (driver_->wantsMap()) {
     if (map)
       driver_->setMap(*map);
@@ -95,7 +95,7 @@ robot::Command ExploringRobot::decide(const gridmap::OccupancyRaster* map) {
   const auto& decision = driver_->currentDecision();
   if (decisions_.empty() || !isSame(decision, decisions_.back().decision)) {
     decisions_.push_back({elapsed_s(), T_map_robot_, simulator_.truth(), decision});
-    const double ms = (core::threadCpuSeconds() - before_s) * 1000;
+    const double ms = (threads::cpuSeconds() - before_s) * 1000;
     decisions_ms_ += ms;
     slowest_decision_ms_ = std::max(slowest_decision_ms_, ms);
   }

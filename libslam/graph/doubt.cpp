@@ -27,8 +27,6 @@ constexpr int kLearntSoon = 20;
 constexpr double kShared = 0.6;
 /// In standard deviations of odometry.
 constexpr double kMissed = 4;
-/// Two scans that contradict each other by more than this after what odometry says: something is wrong.
-constexpr double kBroken = 0.5;
 /// Wheels slipped, other than a robot that was carried off, when another motion leaves less than this share
 /// of the contradiction between two scans.
 constexpr double kSlipped = 0.5;

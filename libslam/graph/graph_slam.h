@@ -217,6 +217,8 @@ class GraphSlam {
   double gain(const Points& points, const core::Pose2& T_map_robot, const core::Pose2& T_map_other) const;
 
   // doubt.cpp: whether the robot was kidnapped
+  /// Two scans that contradict each other by more than this: the motion between them is wrong.
+  static constexpr double kBroken = 0.5;
   double brokenBy(const Points& points, const core::Pose2& T_previous_robot) const;
   keyframes::Break breakBefore(const lidar::Scan& scan, const Points& points, const core::Pose2& T_before,
                                const core::Pose2& T_previous_robot, const core::Pose2& T_previous_matched,

@@ -18,8 +18,6 @@ constexpr double kRecoverGain = 0.05;
 /// The lattice of recover().
 constexpr int kLatticeTurns = 10, kLatticeSteps = 4;
 constexpr double kLatticeTurn_rad = 0.03, kLatticeStep_m = 0.1;
-/// Two scans that contradict each other by more than this after what was matched: something is wrong.
-constexpr double kBroken = 0.5;
 /// The lattice of placesWithinReach(), and how far from odometry's turn it reaches.
 constexpr double kPitch_m = 0.2, kPitch_rad = 0.07, kMostTurn_rad = 1;
 /// A place explains so much of a scan; so near to another it is the same one.

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/core/shared_part.h"
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/gridmap/scan_rays.h"
+#include "libslam/threads/shared_part.h"
 
 namespace slam::gridmap {
 
@@ -136,8 +136,8 @@ class Grid {
   using FieldLayer = std::array<FieldCell, kTileCells>;
   /// Either is empty where it says nothing.
   struct Tile {
-    core::SharedPart<SeenLayer> seen;
-    core::SharedPart<FieldLayer> field;
+    threads::SharedPart<SeenLayer> seen;
+    threads::SharedPart<FieldLayer> field;
     bool empty() const { return !seen && !field; }
   };
   struct Spot {

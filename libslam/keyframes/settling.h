@@ -2,19 +2,19 @@
 #include <optional>
 #include <vector>
 
-#include "libslam/core/paced_work.h"
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/posegraph/optimize.h"
+#include "libslam/threads/paced_work.h"
 
 namespace slam::keyframes {
 
 /// Finds all poses of a map anew, and how sure they are: on a copy, so that the map may grow meanwhile, and
-/// in pieces, as core::PacedWork takes them. For the rooms of graph SLAM only.
+/// in pieces, as threads::PacedWork takes them. For the rooms of graph SLAM only.
 class Settling {
  public:
   /// Of the map as it stands. `options`: how the poses are found. Errors: as posegraph::OptimizeInPieces.
   Settling(const KeyframeMap& map, const posegraph::OptimizeOptions& options);
-  /// See core::PacedWork::Step. Errors: as posegraph::Marginals.
+  /// See threads::PacedWork::Step. Errors: as posegraph::Marginals.
   bool advance(double& work);
   /// REQUIRES that it is done.
   const Settled& result() const { return result_; }
@@ -22,7 +22,7 @@ class Settling {
  private:
   enum class Stage { kPoses, kWays, kCovariances, kTaken };
   Stage stage_ = Stage::kPoses;
-  core::PaidFirst dear_;
+  threads::PaidFirst dear_;
   std::optional<posegraph::OptimizeInPieces> poses_;
   Witnesses witnesses_;
   std::vector<Eigen::Matrix3d> noise_;  ///< of each keyframe

@@ -12,6 +12,16 @@ bool begins(const std::string& start, std::string_view magic) {
   return std::string_view(start).substr(0, magic.size()) == magic;
 }
 
+/// False for a name that is nothing else.
+bool removeSuffix(std::string& path, std::string_view suffix) {
+  const size_t name = path.find_last_of('/') + 1;
+  if (path.size() - name <= suffix.size() ||
+      path.compare(path.size() - suffix.size(), suffix.size(), suffix) != 0)
+    return false;
+  path.resize(path.size() - suffix.size());
+  return true;
+}
+
 const LogFormatInfo& infoOf(LogFormat format) {
   for (const auto& info : logFormats())
     if (info.format == format) return info;
@@ -88,6 +98,16 @@ LogFormat detectLogFormat(const std::string& path) {
 std::unique_ptr<objects::ObjectSource> openLog(const std::string& path) {
   if (bags::looksLikeRos2Folder(path)) return bags::openRos2Folder(path);
   return infoOf(detectLogFormat(path)).open(path);
+}
+
+std::string logStem(const std::string& path) {
+  std::string stem = path;
+  for (const char* packing : {".gz", ".bz2", ".xz"})
+    if (removeSuffix(stem, packing)) break;
+  for (const auto& info : logFormats())
+    for (const auto& suffix : info.suffixes)
+      if (removeSuffix(stem, suffix)) return stem;
+  return path;
 }
 
 std::unique_ptr<objects::ObjectSink> createLog(const std::string& path, LogFormat format) {

@@ -22,7 +22,7 @@ void LoopCloser::beginClosing() {
   options.robust = "none";
   options.tolerance = kFound;
   const auto settling = std::make_shared<keyframes::Settling>(*map_, options);
-  core::PacedWork work([settling](double& left) { return settling->advance(left); }, where_);
+  threads::PacedWork work([settling](double& left) { return settling->advance(left); }, where_);
   closing_.emplace(Closing{settling, std::move(work), {}, {-1, -1}, false});
   solved_edges_ = map_->graph().edges().size();
 }

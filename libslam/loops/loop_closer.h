@@ -5,12 +5,12 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/core/paced_work.h"
 #include "libslam/core/progress.h"
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/keyframes/settling.h"
 #include "libslam/loops/loop_judge.h"
 #include "libslam/loops/place_search.h"
+#include "libslam/threads/paced_work.h"
 
 namespace slam::loops {
 
@@ -19,7 +19,7 @@ namespace slam::loops {
 /// only.
 class LoopCloser {
  public:
-  using Where = core::PacedWork::Where;
+  using Where = threads::PacedWork::Where;
   /// The map has to stay where it is.
   explicit LoopCloser(keyframes::KeyframeMap& map) : map_(&map), options_(&map.options()), search_(map) {}
 
@@ -88,7 +88,7 @@ class LoopCloser {
   /// A loop that was accepted, while all poses are found anew.
   struct Closing {
     std::shared_ptr<const keyframes::Settling> settling;
-    core::PacedWork work;                ///< of `settling`
+    threads::PacedWork work;             ///< of `settling`
     std::vector<posegraph::Edge> edges;  ///< of the loop, if they are not linked yet
     std::pair<int, int> ends{-1, -1};    ///< keyframes that it joins
     bool is_found = false;

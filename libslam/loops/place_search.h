@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/core/paced_work.h"
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/scanmatch/correlative_search.h"
+#include "libslam/threads/paced_work.h"
 
 namespace slam::loops {
 
@@ -17,7 +17,7 @@ namespace slam::loops {
 /// For the rooms of graph SLAM only.
 class PlaceSearch {
  public:
-  using Where = core::PacedWork::Where;
+  using Where = threads::PacedWork::Where;
   /// The map has to stay where it is; while a search is under way, so have its poses.
   explicit PlaceSearch(keyframes::KeyframeMap& map)
       : map_(&map), options_(&map.options()), place_(std::make_shared<Place>()) {}
@@ -82,8 +82,8 @@ class PlaceSearch {
   // The place at hand.
   int old_ = -1;
   std::vector<int> around_;
-  std::shared_ptr<Place> place_;            ///< nobody else touches it while it is looked at
-  std::optional<core::PacedWork> looking_;  ///< at place_
+  std::shared_ptr<Place> place_;               ///< nobody else touches it while it is looked at
+  std::optional<threads::PacedWork> looking_;  ///< at place_
   double thread_s_ = 0;
   scanmatch::SearchResult best_{};
   std::vector<keyframes::Hypothesis> found_;

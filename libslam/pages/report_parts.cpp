@@ -35,7 +35,7 @@ std::string operationText(const sim::Operation& operation) {
 /// The whole command that each of the log's scans was taken after or during; none where the two do not belong
 /// together.
 std::vector<std::string> readOperations(const std::string& log_path, std::uint64_t scans) {
-  const std::string path = truth::logStem(log_path) + ".operations.txt";
+  const std::string path = truth::besideLog(log_path, ".operations.txt");
   if (!fs::exists(path)) return {};
   const auto operations = sim::parseOperations(files::readTextFile(path), path);
   const bool numbered = !operations.empty() && operations.front().scan_after > 0;

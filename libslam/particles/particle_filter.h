@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "libslam/core/journal.h"
-#include "libslam/core/thread_team.h"
 #include "libslam/files/parameters.h"
 #include "libslam/gridmap/grid.h"
 #include "libslam/loops/tracked_path.h"
 #include "libslam/particles/motion.h"
 #include "libslam/particles/path_tree.h"
 #include "libslam/scanmatch/field_matcher.h"
+#include "libslam/threads/thread_team.h"
 #include "libslam/wheels/leaps.h"
 #include "libslam/wheels/silence.h"
 #include "libslam/wheels/way_sign.h"
@@ -140,7 +140,7 @@ class ParticleFilter {
                              const std::vector<lidar::Scan>& others = {});
   const ParticleStep& lastStep() const { return step_; }
   /// So many, instead of options.threads.
-  void useThreads(int threads) { team_ = core::ThreadTeam(threads); }
+  void useThreads(int threads) { team_ = threads::ThreadTeam(threads); }
   /// CPU time so far of those other than the caller's; since useThreads().
   double threadSeconds() const { return team_.threadSeconds(); }
 
@@ -229,7 +229,7 @@ class ParticleFilter {
   double cells_ = 0;
   bool mapping_ = true;
   bool map_is_known_ = false;
-  core::ThreadTeam team_;
+  threads::ThreadTeam team_;
   std::vector<Particle> particles_;
   PathTree paths_;
   size_t best_ = 0;

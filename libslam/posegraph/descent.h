@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "libslam/core/paced_work.h"
 #include "libslam/posegraph/graph_system.h"
 #include "libslam/posegraph/pose_graph.h"
+#include "libslam/threads/paced_work.h"
 
 namespace slam::posegraph {
 
@@ -17,7 +17,7 @@ class Descent {
   /// From `poses`; edge i counts `weights[i]` times. `tolerance` as in OptimizeOptions.
   Descent(const PoseGraph& graph, GraphSystem& system, std::vector<core::Pose2> poses,
           std::vector<double> weights, double tolerance, int max_iterations);
-  /// One piece; true when all is done: see core::PacedWork::Step. `work` as in
+  /// One piece; true when all is done: see threads::PacedWork::Step. `work` as in
   /// sparse::BlockCholesky::advance().
   bool advance(double& work);
   /// All that is left.
@@ -49,7 +49,7 @@ class Descent {
   double chi2_ = 0, first_chi2_ = 0, damping_ = 0, share_ = 1;
   std::vector<Eigen::Vector3d> step_;
   Doing doing_ = Doing::kStart;
-  core::PaidFirst solving_;
+  threads::PaidFirst solving_;
 };
 
 }  // namespace slam::posegraph

@@ -5,11 +5,11 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/paced_work.h"
 #include "libslam/posegraph/descent.h"
 #include "libslam/posegraph/graph_system.h"
 #include "libslam/posegraph/loop_search.h"
 #include "libslam/posegraph/parts.h"
+#include "libslam/threads/paced_work.h"
 
 namespace slam::posegraph {
 namespace {
@@ -85,7 +85,7 @@ struct OptimizeInPieces::Work {
   OptimizeOptions options;
   std::optional<GraphSystem> system;
   std::optional<Descent> descent;
-  core::PaidFirst dear;
+  threads::PaidFirst dear;
 };
 
 OptimizeInPieces::OptimizeInPieces(PoseGraph graph, const OptimizeOptions& options)

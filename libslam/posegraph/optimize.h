@@ -67,7 +67,7 @@ class OptimizeInPieces {
   OptimizeInPieces(PoseGraph graph, const OptimizeOptions& options);
   ~OptimizeInPieces();
   /// One piece; true when all is done. `work`: how much, in multiplications, about (5e6 take a millisecond or
-  /// so); what was done is taken off: see core::PacedWork. Two pieces cannot be divided, and are paid for
+  /// so); what was done is taken off: see threads::PacedWork. Two pieces cannot be divided, and are paid for
   /// before they are done: the analysis of the graph's structure, and to give its edges their places in the
   /// equations, together about what a factorisation costs.
   bool advance(double& work);

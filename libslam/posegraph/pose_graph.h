@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/core/shared_pieces.h"
+#include "libslam/threads/shared_pieces.h"
 
 namespace slam::posegraph {
 
@@ -28,7 +28,7 @@ struct Edge {
 };
 
 /// In the order in which they were added.
-using Edges = core::SharedPieces<Edge>;
+using Edges = threads::SharedPieces<Edge>;
 
 /// What an optimisation works on: poses to be found, and measurements between them. Plain data with its
 /// rules; see optimize() and Marginals for what can be done with it.
@@ -41,7 +41,7 @@ using Edges = core::SharedPieces<Edge>;
 /// Only differences of poses are measured, so something must hold the graph in place: at least one fixed
 /// node, or a prior, in each connected part.
 ///
-/// A copy shares the edges with what it was copied from, see core::SharedPieces.
+/// A copy shares the edges with what it was copied from, see threads::SharedPieces.
 class PoseGraph {
  public:
   /// Returns the node's number: 0, 1, 2 ... REQUIRES a finite pose (ContractError).

@@ -6,8 +6,8 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/numbers.h"
-#include "libslam/core/thread_team.h"
 #include "libslam/rays/ray_walk.h"
+#include "libslam/threads/thread_team.h"
 
 namespace slam::rays {
 namespace {
@@ -292,7 +292,7 @@ void SectorCaster::castScans(const std::vector<core::Pose2>& T_world_lidars, con
   };
   const size_t workers =
       std::clamp<size_t>(static_cast<size_t>(std::max(threads, 1)), 1, std::max<size_t>(scans, 1));
-  core::ThreadTeam(static_cast<int>(workers)).forEach(workers, [&](size_t w) {
+  threads::ThreadTeam(static_cast<int>(workers)).forEach(workers, [&](size_t w) {
     castFrom(scans * w / workers, scans * (w + 1) / workers);
   });
 }

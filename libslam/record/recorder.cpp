@@ -47,9 +47,9 @@ struct Recorder::State {
         config(record_config),
         log(path, record_config.simulation.log_form == "action" ? rawlogs::RawlogForm::kActionFrame
                                                                 : rawlogs::RawlogForm::kObservationOnly),
-        tum(truth::logStem(path) + ".gt.tum", logs::TrajectoryWriter::Format::kTum),
+        tum(truth::besideLog(path, ".gt.tum"), logs::TrajectoryWriter::Format::kTum),
         mrpt_truth(path + ".GT.txt", logs::TrajectoryWriter::Format::kMrptGroundTruth),
-        operations(truth::logStem(path) + ".operations.txt") {}
+        operations(truth::besideLog(path, ".operations.txt")) {}
 
   void addTruth(const sim::Simulator& simulator) {
     const core::StampedPose pose{simulator.time_s(), simulator.truth()};
@@ -78,7 +78,7 @@ struct Recorder::State {
   /// Ends all files but the manifest, which is named.
   Recording finish(const sim::Simulator& simulator) {
     Recording recording;
-    const std::string stem = truth::logStem(log_path);
+    const std::string stem = truth::besideLog(log_path, "");
     log.close();
     tum.close();
     mrpt_truth.close();
@@ -146,7 +146,7 @@ struct Recorder::State {
 
   void describeFiles(const Recording& recording, std::map<std::string, std::string>& files) const {
     const auto name = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
-    const std::string stem = name(truth::logStem(log_path));
+    const std::string stem = name(truth::besideLog(log_path, ""));
     files[name(log_path)] = "MRPT rawlog: RawLogViewer, rawlog-edit, icp-slam, rasterslam run";
     files[name(log_path) + ".GT.txt"] = "truth, MRPT's text form, relative to the start: graphslam-engine -g";
     files[stem + ".gt.tum"] = "truth, TUM form, world frame: rasterslam eval --truth, evo";
@@ -178,7 +178,7 @@ void Recorder::begin(const sim::Simulator& simulator, const sim::Sensed& sensed)
   state_->log.write(toLogEntry(sensed));
   state_->addTruth(simulator);
   if (!simulator.scene().isAlive()) return;
-  state_->movers.emplace(truth::logStem(state_->log_path) + ".movers.csv");
+  state_->movers.emplace(truth::besideLog(state_->log_path, ".movers.csv"));
   state_->movers->add(simulator);
 }
 
@@ -196,7 +196,7 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed,
   Recording recording = state.finish(simulator);
   manifest.seed = seed;
   state.describe(recording, manifest);
-  resources::writeManifest(manifest, truth::logStem(state.log_path) + ".manifest.json");
+  resources::writeManifest(manifest, truth::besideLog(state.log_path, ".manifest.json"));
   return recording;
 }
 

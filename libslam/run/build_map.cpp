@@ -7,9 +7,7 @@
 #include <limits>
 #include <sstream>
 
-#include "libslam/core/cpu_time.h"
 #include "libslam/core/error.h"
-#include "libslam/core/thread_team.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
 #include "libslam/logs/kept_scans.h"
@@ -26,6 +24,8 @@
 #include "libslam/run/external_method.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/run/told_commands.h"
+#include "libslam/threads/cpu_time.h"
+#include "libslam/threads/thread_team.h"
 
 namespace slam::run {
 namespace {
@@ -129,12 +129,12 @@ void takeIn(logs::ReadAhead& log, mapping::MapBuilder& method, const std::option
     core::Pose2 T_map_robot;
     std::optional<Eigen::Matrix3d> covariance;
     double after_s = 0;
-    const double before_s = core::threadCpuSeconds();
+    const double before_s = threads::cpuSeconds();
     tellSensors(method, *entry);
     results::insideMethod([&] {
       T_map_robot =
           mapping::processScan(method, entry->scan, T_previous_robot, entry->has_odometry || external);
-      after_s = core::threadCpuSeconds();
+      after_s = threads::cpuSeconds();
       covariance = mapping::poseCovariance(method);
     });
     if (!core::isFinite(T_map_robot))
@@ -198,9 +198,9 @@ class Finisher {
       : method_(method), run_(run), taken_(taken), options_(options) {}
 
   void finish(core::Progress& progress) {
-    const double begin_s = core::threadCpuSeconds(), thread_begin_s = mapping::threadSeconds(method_);
+    const double begin_s = threads::cpuSeconds(), thread_begin_s = mapping::threadSeconds(method_);
     if (!run_.stopped) ask([&] { mapping::finishMap(method_, progress); });
-    ending_.finish_s = core::threadCpuSeconds() - begin_s + mapping::threadSeconds(method_) - thread_begin_s;
+    ending_.finish_s = threads::cpuSeconds() - begin_s + mapping::threadSeconds(method_) - thread_begin_s;
     ending_.beside_s = thread_begin_s;
   }
 
@@ -264,7 +264,7 @@ void scoreAndDraw(const mapping::MapBuilder& method, Taken& taken, const std::st
     mapping::saveMaps(method, *ending.map, folder);
     results::writeScene(method, *ending.map, ending.path, taken.last_scan, folder + "/map.3Dscene");
   };
-  core::ThreadTeam(std::clamp(options.threads, 1, 2)).forEach(2, [&](size_t job) {
+  threads::ThreadTeam(std::clamp(options.threads, 1, 2)).forEach(2, [&](size_t job) {
     job == 0 ? score() : draw();
   });
 }

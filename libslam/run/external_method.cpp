@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/edit/convert.h"
 #include "libslam/files/files.h"
-#include "libslam/logs/convert.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
@@ -109,7 +109,7 @@ std::string scansText(const std::vector<ScanPlace>& scans) {
 /// goes.
 void writeLog(const ExternalMethod& method, const std::string& log_path, const std::string& label,
               const Files& files, core::Progress& progress) {
-  logs::LogConversion conversion;
+  edit::LogConversion conversion;
   conversion.label = label;
   const std::string& wanted = method.options.log;
   if (wanted == "carmen")
@@ -117,7 +117,7 @@ void writeLog(const ExternalMethod& method, const std::string& log_path, const s
   else
     conversion.form =
         wanted == "action" ? rawlogs::RawlogForm::kActionFrame : rawlogs::RawlogForm::kObservationOnly;
-  const auto report = logs::convertLog(log_path, files.log, conversion, progress);
+  const auto report = edit::convertLog(log_path, files.log, conversion, progress);
   for (const auto& file : report.files)
     if (!fs::equivalent(file, files.log)) fs::remove(file);
 }

@@ -12,7 +12,7 @@
 namespace slam::run {
 
 std::optional<std::vector<robot::Commanded>> commandsOfLog(const std::string& log_path) {
-  const std::string path = truth::logStem(log_path) + ".operations.txt";
+  const std::string path = truth::besideLog(log_path, ".operations.txt");
   if (!std::filesystem::exists(path)) return std::nullopt;
   const auto operations = sim::parseOperations(files::readTextFile(path), path);
   return sim::commandsOfScans(operations, logs::inspectLog(log_path).scans, path);

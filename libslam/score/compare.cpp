@@ -5,7 +5,6 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/logs/convert.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/mapping/map_builder.h"

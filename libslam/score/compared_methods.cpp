@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/thread_team.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/process/worker.h"
@@ -17,6 +16,7 @@
 #include "libslam/results/stopped_run.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
+#include "libslam/threads/thread_team.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
@@ -136,7 +136,7 @@ void runMethods(std::vector<ComparedMethod>& methods, const std::string& log_pat
                 const CompareRequest& request, const resources::Manifest& manifest,
                 core::Progress& progress) {
   std::atomic<bool> ended{false};
-  core::ThreadTeam(request.threads).forEach(methods.size(), [&](size_t i) {
+  threads::ThreadTeam(request.threads).forEach(methods.size(), [&](size_t i) {
     if (ended || methods[i].reused) return;
     try {
       runMethod(methods[i], log_path, request, manifest, progress);

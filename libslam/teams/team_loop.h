@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/thread_team.h"
 #include "libslam/explore/exploring_robot.h"
 #include "libslam/navigate/right_of_way.h"
 #include "libslam/teams/team.h"
 #include "libslam/teams/team_radio.h"
+#include "libslam/threads/thread_team.h"
 
 namespace slam::teams {
 
@@ -65,7 +65,7 @@ class TeamLoop {
   std::vector<Member> members_;
   TeamRadio radio_;
   metrics::Coverage coverage_;
-  core::ThreadTeam threads_;
+  threads::ThreadTeam threads_;
   std::vector<metrics::CoveragePoint> curve_;
   std::vector<std::vector<double>> paths_m_;
   std::optional<explore::ExplorationEnd> end_;

@@ -4,6 +4,7 @@
 
 #include "libslam/core/numbers.h"
 #include "libslam/truth/number_rows.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::truth {
 namespace {

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "libslam/truth/number_rows.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::truth {
 namespace {

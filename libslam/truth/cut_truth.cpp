@@ -14,8 +14,8 @@ namespace slam::truth {
 std::vector<std::string> keepTruth(const std::string& whole_log, const std::string& part_log) {
   const auto truth_path = findTruth(whole_log);
   if (std::filesystem::path(truth_path).extension() != ".tum") return {};
-  const std::string part_truth = logStem(part_log) + ".gt.tum",
-                    part_manifest = logStem(part_log) + ".manifest.json";
+  const std::string part_truth = besideLog(part_log, ".gt.tum"),
+                    part_manifest = besideLog(part_log, ".manifest.json");
   const auto part = logs::inspectLog(part_log);
   constexpr double kSlack_s = 1e-6;
   core::Trajectory truth;

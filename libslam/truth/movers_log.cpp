@@ -9,6 +9,7 @@
 #include "libslam/files/csv.h"
 #include "libslam/files/parameters.h"
 #include "libslam/truth/number_rows.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::truth {
 namespace {

@@ -6,7 +6,6 @@
 #include "libslam/core/error.h"
 #include "libslam/files/csv.h"
 #include "libslam/files/files.h"
-#include "libslam/truth/truth_files.h"
 
 namespace slam::truth {
 namespace fs = std::filesystem;
@@ -31,14 +30,6 @@ std::vector<std::vector<double>> readNumberRows(const std::string& path, const s
     for (const auto& field : fields) rows.back().push_back(files::csvNumber(field, reader.place()));
   }
   return rows;
-}
-
-std::string besideLog(const std::string& log_or_truth_path, const std::string& ending) {
-  std::string stem = log_or_truth_path;
-  for (const std::string suffix : {".gt.tum", ".GT.txt"})
-    if (stem.size() > suffix.size() && stem.compare(stem.size() - suffix.size(), suffix.size(), suffix) == 0)
-      stem.resize(stem.size() - suffix.size());
-  return (fs::path(stem).extension() == ".rawlog" ? logStem(stem) : stem) + ending;
 }
 
 }  // namespace slam::truth

@@ -8,8 +8,4 @@ namespace slam::truth {
 /// InputError with file and line for another header, another number of fields, a field that is no number.
 std::vector<std::vector<double>> readNumberRows(const std::string& path, const std::string& header);
 
-/// The file `ending` beside a log or its truth: "a/run.rawlog" or "a/run.gt.tum" and ".collisions.csv" give
-/// "a/run.collisions.csv".
-std::string besideLog(const std::string& log_or_truth_path, const std::string& ending);
-
 }  // namespace slam::truth

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "libslam/logs/convert.h"
+#include "libslam/logs/log_format.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/manifest.h"
 #include "libslam/resources/resources.h"
@@ -10,23 +10,27 @@
 namespace slam::truth {
 namespace fs = std::filesystem;
 
-std::string logStem(const std::string& log_path) {
-  const std::filesystem::path path(log_path);
-  return path.extension() == ".rawlog" ? (path.parent_path() / path.stem()).string() : log_path;
+std::string besideLog(const std::string& log_or_truth_path, const std::string& ending) {
+  std::string stem = log_or_truth_path;
+  for (const std::string suffix : {".gt.tum", ".GT.txt"})
+    if (stem.size() > suffix.size() && stem.compare(stem.size() - suffix.size(), suffix.size(), suffix) == 0)
+      stem.resize(stem.size() - suffix.size());
+  const fs::path path(stem);
+  return (path.extension() == ".rawlog" ? (path.parent_path() / path.stem()).string() : stem) + ending;
 }
 
 std::string findTruth(const std::string& log_path) {
   for (const auto& path :
-       {logStem(log_path) + ".gt.tum", logs::logStem(log_path) + ".truth.tum", log_path + ".GT.txt"})
+       {besideLog(log_path, ".gt.tum"), logs::logStem(log_path) + ".truth.tum", log_path + ".GT.txt"})
     if (fs::exists(path)) return path;
   return "";
 }
 
 std::string findPlan(const std::string& log_path) {
-  const std::string path = logStem(log_path) + ".manifest.json";
+  const std::string path = besideLog(log_path, ".manifest.json");
   if (!fs::exists(path)) return "";
   const auto manifest = resources::readManifest(path);
-  std::string own = logStem(log_path) + ".plan.yaml";
+  std::string own = besideLog(log_path, ".plan.yaml");
   if (manifest.files.count(fs::path(own).filename().string()) > 0 && fs::exists(own)) return own;
   for (const auto& [input, hash] : manifest.inputs)
     if (resources::looksLikePlan(input) && fs::exists(input) && resources::fileSha256(input) == hash)

@@ -3,9 +3,11 @@
 
 namespace slam::truth {
 
-/// "a/run.rawlog" -> "a/run": the stem of the files beside a log.
-std::string logStem(const std::string& log_path);
-/// Truth beside a log, as `record()` (STEM.gt.tum, LOG.GT.txt) and logs::convertLog() (STEM.truth.tum) leave
+/// The file `ending` beside a log or its truth: "a/run.rawlog" or "a/run.gt.tum" and ".collisions.csv" give
+/// "a/run.collisions.csv". Of a log with another ending it is part of the name: "a/run.clf.collisions.csv".
+std::string besideLog(const std::string& log_or_truth_path, const std::string& ending);
+
+/// Truth beside a log, as `record()` (STEM.gt.tum, LOG.GT.txt) and edit::convertLog() (STEM.truth.tum) leave
 /// it; "" when there is none.
 std::string findTruth(const std::string& log_path);
 /// The plan that a log was simulated in, from its manifest: the one beside the log of a later visit; "" when

@@ -1,10 +1,11 @@
-// No file has more than 400 lines and no function more than 60.
+// No file has more than 400 lines, no function more than 60, and no room more than some twenty files.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -17,7 +18,7 @@ namespace slam {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostFileLines = 400, kMostFunctionLines = 60;
+constexpr std::size_t kMostFileLines = 400, kMostFunctionLines = 60, kMostRoomFiles = 22;
 
 std::size_t linesIn(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
@@ -165,6 +166,16 @@ TEST(Sizes, NoFunctionHasMoreThan60Lines) {
     EXPECT_EQ(largeFunctions(text), "") << path;
   }
   EXPECT_GT(functions, 4000U);
+}
+
+TEST(Sizes, NoRoomHasMoreThanSomeTwentyFiles) {
+  std::map<std::string, std::size_t> files_of;
+  for (const auto& [path, text] : sources()) {
+    const fs::path parts(path);
+    if (*parts.begin() == "libslam") ++files_of[std::next(parts.begin())->string()];
+  }
+  EXPECT_GT(files_of.size(), 60U);
+  for (const auto& [room, files] : files_of) EXPECT_LE(files, kMostRoomFiles) << room;
 }
 
 TEST(Sizes, FunctionsAreSeenWhereverTheyStand) {

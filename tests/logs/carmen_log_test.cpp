@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "libslam/logs/convert.h"
+#include "libslam/edit/convert.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/objects/mrpt_time.h"
@@ -296,11 +296,11 @@ TEST(LogFormats, AreToldByContentWhateverTheName) {
 std::string throughRawlog(const std::string& text, std::optional<rawlogs::RawlogForm> form = std::nullopt) {
   const testing::TempFolder folder;
   files::writeFileAtomically(folder / "a.clf", text);
-  LogConversion to_rawlog, to_carmen;
+  edit::LogConversion to_rawlog, to_carmen;
   to_rawlog.form = form;
   to_carmen.to = LogFormat::kCarmen;
-  convertLog(folder / "a.clf", folder / "a.rawlog", to_rawlog, core::silentProgress());
-  convertLog(folder / "a.rawlog", folder / "b.clf", to_carmen, core::silentProgress());
+  edit::convertLog(folder / "a.clf", folder / "a.rawlog", to_rawlog, core::silentProgress());
+  edit::convertLog(folder / "a.rawlog", folder / "b.clf", to_carmen, core::silentProgress());
   return files::readTextFile(folder / "b.clf");
 }
 

@@ -6,7 +6,7 @@
 #include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationIMU.h>
 
-#include "libslam/logs/convert.h"
+#include "libslam/edit/convert.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/logs/carmen_fixtures.h"
 #include "tests/logs/log_fixtures.h"
@@ -132,11 +132,13 @@ TEST(ToObservations, IntegratesActionsAndKeepsEverythingElse) {
 TEST(RawlogForms, ReadTheSameInBothFormsAndBack) {
   const testing::TempFolder folder;
   writeLog(sampleEntries(50), folder / "observations.rawlog", rawlogs::RawlogForm::kObservationOnly);
-  LogConversion to_actions, to_observations;
+  edit::LogConversion to_actions, to_observations;
   to_actions.form = rawlogs::RawlogForm::kActionFrame;
   to_observations.form = rawlogs::RawlogForm::kObservationOnly;
-  convertLog(folder / "observations.rawlog", folder / "actions.rawlog", to_actions, core::silentProgress());
-  convertLog(folder / "actions.rawlog", folder / "back.rawlog", to_observations, core::silentProgress());
+  edit::convertLog(folder / "observations.rawlog", folder / "actions.rawlog", to_actions,
+                   core::silentProgress());
+  edit::convertLog(folder / "actions.rawlog", folder / "back.rawlog", to_observations,
+                   core::silentProgress());
   EXPECT_EQ(inspectLog(folder / "actions.rawlog").form, "action / sensory frame");
   EXPECT_EQ(inspectLog(folder / "back.rawlog").form, "observation only");
   const auto expected = readLog(folder / "observations.rawlog");

@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "libslam/logs/convert.h"
+#include "libslam/edit/convert.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/objects/mrpt_time.h"
@@ -174,7 +174,7 @@ TEST_P(EveryLog, BecomesARawlogThatEqualsItAndComesBack) {
   const RealLog& log = GetParam();
   SKIP_WITHOUT(log, path);
   const testing::TempFolder folder;
-  const auto report = convertLog(path, folder / "a.rawlog", {}, core::silentProgress());
+  const auto report = edit::convertLog(path, folder / "a.rawlog", {}, core::silentProgress());
   EXPECT_EQ(report.from, LogFormat::kCarmen);
   EXPECT_EQ(report.skipped, "");
   const auto source = linesOf(log.unpack + " '" + path + "'");
@@ -201,9 +201,9 @@ TEST_P(EveryLog, BecomesARawlogThatEqualsItAndComesBack) {
   EXPECT_EQ(scans, log.scans);
   EXPECT_EQ(odometry_lines, log.odometry_lines);
 
-  LogConversion to_carmen;
+  edit::LogConversion to_carmen;
   to_carmen.to = LogFormat::kCarmen;
-  convertLog(folder / "a.rawlog", folder / "b.clf", to_carmen, core::silentProgress());
+  edit::convertLog(folder / "a.rawlog", folder / "b.clf", to_carmen, core::silentProgress());
   const auto back = linesOf("cat '" + (folder / "b.clf") + "'");
   ASSERT_EQ(back.size(), source.size());
   size_t other_text = 0;  // equal numbers, other zeros

@@ -109,8 +109,8 @@ TEST(TruthFiles, LieBesideALogOfAnyName) {
   EXPECT_EQ(besideLog("a/run.rawlog.GT.txt", ".x.csv"), "a/run.x.csv");
   EXPECT_EQ(besideLog("a/run.2.rawlog", ".x.csv"), "a/run.2.x.csv");
   EXPECT_EQ(besideLog("a/run.log", ".x.csv"), "a/run.log.x.csv");
-  EXPECT_EQ(logStem("a.b/run"), "a.b/run");
-  EXPECT_EQ(logStem("a.b/run.rawlog"), "a.b/run");
+  EXPECT_EQ(besideLog("a.b/run", ".x.csv"), "a.b/run.x.csv");
+  EXPECT_EQ(besideLog("a.b/run.rawlog", ""), "a.b/run");
 }
 
 }  // namespace

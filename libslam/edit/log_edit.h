@@ -8,14 +8,16 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 
-namespace slam::logs {
+namespace slam::edit {
 
-// Cutting, merging and filtering logs. In: any format that openLog() reads. Out: an MRPT rawlog, gzip inside,
-// written beside (path + ".tmp") and renamed at the end, so an error or an interrupt leaves nothing behind.
+// Cutting, merging and filtering logs. In: any format that logs::openLog() reads. Out: an MRPT rawlog, gzip
+// inside, written beside (path + ".tmp") and renamed at the end, so an error or an interrupt leaves nothing
+// behind.
 //
 // What is not touched stays as it is: of a rawlog, the bytes of each object are copied (older class versions,
-// other classes and noise-free digits included); objects of other formats are those of openLog(). In a log of
-// MRPT's action form an action stays with the frame that it leads to: both are kept or dropped together.
+// other classes and noise-free digits included); objects of other formats are those of logs::openLog(). In a
+// log of MRPT's action form an action stays with the frame that it leads to: both are kept or dropped
+// together.
 //
 // When a step in the middle is dropped (its frame, with its actions), its increment is composed with that of
 // the next step kept, so that the robot ends where it did: of wheel odometry the raw readings (the motion
@@ -24,7 +26,7 @@ namespace slam::logs {
 // with it. What a cut takes off the two ends is not composed: the first action kept says how the robot came
 // to the first frame, as in any log.
 //
-// Errors: as openLog(); IoError for the output; InputError when nothing would be left. Interrupted from
+// Errors: as logs::openLog(); IoError for the output; InputError when nothing would be left. Interrupted from
 // `progress`. Memory does not grow with the log.
 
 /// What became of the objects of the top level (of both logs, in a merge).
@@ -63,7 +65,7 @@ EditCounts mergeLogs(const std::string& first, const std::string& second, const 
 struct FilterOptions {
   std::vector<std::string> keep_labels;  ///< observations of other labels are dropped; empty: none is
   std::vector<std::string> drop_labels;
-  bool drop_truth = false;  ///< observations labelled kTruthLabel
+  bool drop_truth = false;  ///< observations labelled logs::kTruthLabel
   /// Of each lidar's scans the first of every so many is kept; in frames, of the frames with a 2D scan.
   std::uint64_t every = 1;
 
@@ -80,4 +82,4 @@ struct FilterOptions {
 EditCounts filterLog(const std::string& path, const std::string& output, const FilterOptions& options,
                      core::Progress& progress);
 
-}  // namespace slam::logs
+}  // namespace slam::edit

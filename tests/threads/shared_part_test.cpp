@@ -1,10 +1,10 @@
-#include "libslam/core/shared_part.h"
+#include "libslam/threads/shared_part.h"
 
 #include <gtest/gtest.h>
 
 #include <utility>
 
-namespace slam::core {
+namespace slam::threads {
 namespace {
 
 TEST(SharedPart, IsCopiedWhenOneOfItsHoldersChangesIt) {
@@ -42,4 +42,4 @@ TEST(SharedPart, MovesAndIsAssignedToItself) {
 }
 
 }  // namespace
-}  // namespace slam::core
+}  // namespace slam::threads

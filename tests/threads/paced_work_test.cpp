@@ -1,4 +1,4 @@
-#include "libslam/core/paced_work.h"
+#include "libslam/threads/paced_work.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace slam::core {
+namespace slam::threads {
 namespace {
 
 using Where = PacedWork::Where;
@@ -171,4 +171,4 @@ TEST(PacedWork, CanBeGivenUp) {
 }
 
 }  // namespace
-}  // namespace slam::core
+}  // namespace slam::threads

@@ -1,4 +1,4 @@
-#include "libslam/logs/log_edit.h"
+#include "libslam/edit/log_edit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,11 +6,13 @@
 #include "libslam/logs/log_format.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
-#include "tests/logs/edited_logs.h"
+#include "tests/edit/edited_logs.h"
 #include "tests/logs/log_fixtures.h"
 
-namespace slam::logs {
+namespace slam::edit {
 namespace {
+
+using namespace logs;
 
 using testing::errorOf;
 using ::testing::HasSubstr;
@@ -183,4 +185,4 @@ TEST(EditLog, SameInputSameBytes) {
 }
 
 }  // namespace
-}  // namespace slam::logs
+}  // namespace slam::edit

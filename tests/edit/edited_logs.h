@@ -7,14 +7,24 @@
 #include <vector>
 
 #include "libslam/core/progress.h"
-#include "libslam/logs/log_edit.h"
+#include "libslam/edit/log_edit.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/logs/log_fixtures.h"
 #include "tests/logs/objects_of.h"
 
-namespace slam::logs {
+namespace slam::edit {
+
+using logs::kStart_s;
+using logs::objectsOf;
+using logs::RawObjects;
+using logs::rawOdometry;
+using logs::rawScan;
+using logs::readBytes;
+using logs::sampleEntries;
+using logs::unpacked;
+using logs::writeLog;
 
 // Logs to cut, merge and filter, and what is in them afterwards.
 
@@ -76,4 +86,4 @@ inline EditCounts filter(const std::string& path, const std::string& output, con
   return filterLog(path, output, options, core::silentProgress());
 }
 
-}  // namespace slam::logs
+}  // namespace slam::edit

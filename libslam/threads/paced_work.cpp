@@ -1,4 +1,4 @@
-#include "libslam/core/paced_work.h"
+#include "libslam/threads/paced_work.h"
 
 #include <cmath>
 #include <condition_variable>
@@ -8,9 +8,9 @@
 #include <thread>
 #include <utility>
 
-#include "libslam/core/cpu_time.h"
+#include "libslam/threads/cpu_time.h"
 
-namespace slam::core {
+namespace slam::threads {
 namespace {
 
 /// What a thread does before it looks whether anybody waits.
@@ -52,7 +52,7 @@ struct PacedWork::Shared {
       lock.lock();
       spent += kSlice - left;
       is_done = done;
-      if (done) thread_s = threadCpuSeconds();
+      if (done) thread_s = cpuSeconds();
       if (done || spent >= paid) changed.notify_one();
     }
   }
@@ -115,4 +115,4 @@ double PacedWork::threadSeconds() const {
   return shared_->thread_s;
 }
 
-}  // namespace slam::core
+}  // namespace slam::threads

@@ -1,4 +1,4 @@
-#include "libslam/logs/log_edit.h"
+#include "libslam/edit/log_edit.h"
 
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CSensoryFrame.h>
@@ -10,13 +10,13 @@
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/edit/log_steps.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
-#include "libslam/logs/log_steps.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 
-namespace slam::logs {
+namespace slam::edit {
 namespace {
 
 using mrpt::obs::CObservation;
@@ -241,4 +241,4 @@ EditCounts filterLog(const std::string& path, const std::string& output, const F
   return writer.counts();
 }
 
-}  // namespace slam::logs
+}  // namespace slam::edit

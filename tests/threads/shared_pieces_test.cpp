@@ -1,4 +1,4 @@
-#include "libslam/core/shared_pieces.h"
+#include "libslam/threads/shared_pieces.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace slam::core {
+namespace slam::threads {
 namespace {
 
 constexpr std::size_t kPiece = SharedPieces<int>::kPiece;
@@ -91,4 +91,4 @@ TEST(SharedPieces, EveryElementEndsOnce) {
 }
 
 }  // namespace
-}  // namespace slam::core
+}  // namespace slam::threads

@@ -11,14 +11,10 @@
 #include "libslam/objects/object_stream.h"
 #include "libslam/rawlogs/rawlog_form.h"
 
-namespace slam::logs {
-
-/// A log's path without what says how it is packed (.gz .bz2 .xz) and what it is (.rawlog .clf .carmen .log
-/// .bag .db3 .mcap): "a/intel.clf.bz2" gives "a/intel". Any other path stays whole.
-std::string logStem(const std::string& path);
+namespace slam::edit {
 
 struct LogConversion {
-  LogFormat to = LogFormat::kRawlog;
+  logs::LogFormat to = logs::LogFormat::kRawlog;
   /// Of kRawlog. Other formats know observations only. None: the observations of a log that has no actions,
   /// and each object as it comes of one that has.
   std::optional<rawlogs::RawlogForm> form;
@@ -27,7 +23,7 @@ struct LogConversion {
 };
 
 struct ConversionReport {
-  LogFormat from = LogFormat::kRawlog;
+  logs::LogFormat from = logs::LogFormat::kRawlog;
   std::map<std::string, std::uint64_t> scans_by_label;  ///< written
   std::uint64_t odometry_readings = 0;                  ///< written: observations, or actions
   std::uint64_t comments = 0, other_observations = 0;   ///< written
@@ -37,26 +33,27 @@ struct ConversionReport {
   std::vector<std::string> files;
 };
 
-/// Writes a log again, in another format or form. Poses labelled kTruthLabel do not go into it but beside it,
-/// in the order of their stamps: STEM.truth.tum (STEM: logStem(out)) and MRPT's OUT.GT.txt. Memory does not
-/// grow with the log but for its true poses (32 bytes each). The files appear whole at the end or not at all.
+/// Writes a log again, in another format or form. Poses labelled logs::kTruthLabel do not go into it but
+/// beside it, in the order of their stamps: STEM.truth.tum (STEM: logStem(out)) and MRPT's OUT.GT.txt. Memory
+/// does not grow with the log but for its true poses (32 bytes each). The files appear whole at the end or
+/// not at all.
 ///
-/// Errors: those of openLog(), its format's reader, inForm() and createLog(); InputError when a file that
-/// would be written exists and `overwrite` is not set, when no scan has the label (naming those there are),
-/// when the log holds nothing that can be written.
+/// Errors: those of logs::openLog(), its format's reader, inForm() and logs::createLog(); InputError when a
+/// file that would be written exists and `overwrite` is not set, when no scan has the label (naming those
+/// there are), when the log holds nothing that can be written.
 ConversionReport convertLog(const std::string& in, const std::string& out, const LogConversion& conversion,
                             core::Progress& progress);
 
 /// Where a log's trajectory comes from.
 enum class LogPath {
   kOdometry,  ///< the odometry at each scan that LogReader gives, from the identity
-  kTruth      ///< the poses labelled kTruthLabel
+  kTruth      ///< the poses labelled logs::kTruthLabel
 };
 
 /// A log's trajectory as a file, in the order of stamps. Keeps the poses in memory (32 bytes each). Errors:
-/// those of LogReader or openLog(); no scan, no pose.
+/// those of LogReader or logs::openLog(); no scan, no pose.
 std::size_t exportTrajectory(const std::string& in, LogPath path, const std::string& label,
-                             const std::string& out, TrajectoryWriter::Format format, bool overwrite,
+                             const std::string& out, logs::TrajectoryWriter::Format format, bool overwrite,
                              core::Progress& progress);
 
-}  // namespace slam::logs
+}  // namespace slam::edit

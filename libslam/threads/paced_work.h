@@ -2,7 +2,7 @@
 #include <functional>
 #include <memory>
 
-namespace slam::core {
+namespace slam::threads {
 
 /// Work that is done in pieces, for who may not wait for all of it. Every call of advance() pays for some of
 /// it, and it is done as soon as all of it is paid for: at a call that depends on what the pieces cost alone,
@@ -50,4 +50,4 @@ class PaidFirst {
   bool is_paid_ = false;
 };
 
-}  // namespace slam::core
+}  // namespace slam::threads

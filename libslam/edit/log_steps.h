@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
+#include "libslam/edit/log_edit.h"
 #include "libslam/files/files.h"
-#include "libslam/logs/log_edit.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/rawlogs/rawlog_stream.h"
 
-namespace slam::logs {
+namespace slam::edit {
 
 /// An object of a log, and its bytes.
 struct LogObject {
@@ -88,4 +88,4 @@ class StepWriter {
   EditCounts counts_;
 };
 
-}  // namespace slam::logs
+}  // namespace slam::edit

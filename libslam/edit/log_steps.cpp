@@ -1,4 +1,4 @@
-#include "libslam/logs/log_steps.h"
+#include "libslam/edit/log_steps.h"
 
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CActionRobotMovement3D.h>
@@ -14,7 +14,7 @@
 #include "libslam/files/parameters.h"
 #include "libslam/logs/log_format.h"
 
-namespace slam::logs {
+namespace slam::edit {
 namespace {
 
 using mrpt::obs::CAction;
@@ -46,12 +46,12 @@ std::int64_t ticksOf(const CSerializable& object) {
 }  // namespace
 
 StepReader::StepReader(const std::string& path) {
-  if (detectLogFormat(path) == LogFormat::kRawlog) {
+  if (logs::detectLogFormat(path) == logs::LogFormat::kRawlog) {
     auto rawlog = std::make_unique<rawlogs::RawlogObjects>(path);
     rawlog_ = rawlog.get();
     source_ = std::move(rawlog);
   } else {
-    source_ = openLog(path);
+    source_ = logs::openLog(path);
   }
 }
 
@@ -196,4 +196,4 @@ void StepWriter::serialize(const CSerializable& object) {
   }
 }
 
-}  // namespace slam::logs
+}  // namespace slam::edit

@@ -1,4 +1,4 @@
-#include "libslam/logs/convert.h"
+#include "libslam/edit/convert.h"
 
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
@@ -21,7 +21,7 @@
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/rawlogs/log_motion.h"
 
-namespace slam::logs {
+namespace slam::edit {
 namespace {
 
 using mrpt::obs::CActionCollection;
@@ -30,15 +30,6 @@ using mrpt::obs::CObservation2DRangeScan;
 using mrpt::obs::CObservationRobotPose;
 using mrpt::obs::CSensoryFrame;
 using Object = std::shared_ptr<mrpt::serialization::CSerializable>;
-
-bool removeSuffix(std::string& path, std::string_view suffix) {
-  const size_t name = path.find_last_of('/') + 1;
-  if (path.size() - name <= suffix.size() ||
-      path.compare(path.size() - suffix.size(), suffix.size(), suffix) != 0)
-    return false;
-  path.resize(path.size() - suffix.size());
-  return true;
-}
 
 /// Takes true poses out of the stream, and scans of other lidars.
 class Sieve : public objects::ObjectSource {
@@ -141,30 +132,21 @@ void requireLabel(const std::string& in, const std::string& label,
 
 }  // namespace
 
-std::string logStem(const std::string& path) {
-  std::string stem = path;
-  for (const char* packing : {".gz", ".bz2", ".xz"})
-    if (removeSuffix(stem, packing)) break;
-  for (const char* suffix : {".rawlog", ".clf", ".carmen", ".log", ".bag", ".db3", ".mcap"})
-    if (removeSuffix(stem, suffix)) return stem;
-  return path;
-}
-
 ConversionReport convertLog(const std::string& in, const std::string& out, const LogConversion& conversion,
                             core::Progress& progress) {
   files::refuseToOverwrite(out, conversion.overwrite);
   ConversionReport report;
-  report.from = detectLogFormat(in);
-  auto sieve = std::make_unique<Sieve>(openLog(in), conversion.label);
+  report.from = logs::detectLogFormat(in);
+  auto sieve = std::make_unique<Sieve>(logs::openLog(in), conversion.label);
   auto& sieved = *sieve;
   std::unique_ptr<objects::ObjectSource> source = std::move(sieve);
-  const bool is_rawlog = conversion.to == LogFormat::kRawlog;
+  const bool is_rawlog = conversion.to == logs::LogFormat::kRawlog;
   if (!is_rawlog || conversion.form)
     source = rawlogs::inForm(std::move(source),
                              is_rawlog ? *conversion.form : rawlogs::RawlogForm::kObservationOnly, in);
-  const auto sink = createLog(out, conversion.to);
+  const auto sink = logs::createLog(out, conversion.to);
   Counter counter(report);
-  progress.begin("converting to " + std::string(formatName(conversion.to)));
+  progress.begin("converting to " + std::string(logs::formatName(conversion.to)));
   while (const auto object = source->next()) {
     const double log_time_s = counter.take(*object);
     sink->write(*object);
@@ -181,10 +163,10 @@ ConversionReport convertLog(const std::string& in, const std::string& out, const
   report.files = {out};
   if (!sieved.truth.empty()) {
     sortByTime(sieved.truth);
-    const std::string tum = logStem(out) + ".truth.tum", mrpt = out + ".GT.txt";
+    const std::string tum = logs::logStem(out) + ".truth.tum", mrpt = out + ".GT.txt";
     for (const auto& path : {tum, mrpt}) files::refuseToOverwrite(path, conversion.overwrite);
-    writeTum(sieved.truth, tum);
-    writeMrptGroundTruth(sieved.truth, mrpt);
+    logs::writeTum(sieved.truth, tum);
+    logs::writeMrptGroundTruth(sieved.truth, mrpt);
     report.files.insert(report.files.end(), {tum, mrpt});
   }
   sink->close();
@@ -192,19 +174,19 @@ ConversionReport convertLog(const std::string& in, const std::string& out, const
 }
 
 std::size_t exportTrajectory(const std::string& in, LogPath path, const std::string& label,
-                             const std::string& out, TrajectoryWriter::Format format, bool overwrite,
+                             const std::string& out, logs::TrajectoryWriter::Format format, bool overwrite,
                              core::Progress& progress) {
   files::refuseToOverwrite(out, overwrite);
   core::Trajectory trajectory;
   const auto since_start = [&trajectory] { return trajectory.back().time_s - trajectory.front().time_s; };
   progress.begin("reading the " + std::string(path == LogPath::kTruth ? "truth" : "odometry"));
   if (path == LogPath::kTruth) {
-    Sieve sieve(openLog(in), "");
+    Sieve sieve(logs::openLog(in), "");
     while (sieve.next()) progress.update(sieve.fractionRead(), 0);
     trajectory = std::move(sieve.truth);
     if (trajectory.empty()) throw core::InputError(in + ": holds no true pose, expected at least 1");
   } else {
-    LogReader reader(in, label);
+    logs::LogReader reader(in, label);
     bool has_odometry = false;
     while (const auto entry = reader.next()) {
       has_odometry |= entry->has_odometry;
@@ -220,4 +202,4 @@ std::size_t exportTrajectory(const std::string& in, LogPath path, const std::str
   return trajectory.size();
 }
 
-}  // namespace slam::logs
+}  // namespace slam::edit

@@ -3,7 +3,7 @@
 #include <functional>
 #include <memory>
 
-namespace slam::core {
+namespace slam::threads {
 
 /// Threads that wait for work between the calls: for jobs of a millisecond, for which starting threads costs
 /// too much. What a job computes must depend on its index alone; then the number of threads changes nothing
@@ -11,7 +11,7 @@ namespace slam::core {
 class ThreadTeam {
  public:
   /// `threads` in all, the caller's own among them; 1 starts none. Where the system has not as many, what it
-  /// has. REQUIRES threads >= 1 (ContractError).
+  /// has. REQUIRES threads >= 1 (core::ContractError).
   explicit ThreadTeam(int threads);
   ThreadTeam(ThreadTeam&&) noexcept;
   ThreadTeam& operator=(ThreadTeam&&) noexcept;
@@ -28,4 +28,4 @@ class ThreadTeam {
   std::unique_ptr<Shared> shared_;  ///< none without other threads
 };
 
-}  // namespace slam::core
+}  // namespace slam::threads

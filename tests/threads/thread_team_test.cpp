@@ -1,4 +1,4 @@
-#include "libslam/core/thread_team.h"
+#include "libslam/threads/thread_team.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -12,7 +12,7 @@
 
 #include "libslam/core/error.h"
 
-namespace slam::core {
+namespace slam::threads {
 namespace {
 
 TEST(ThreadTeam, DoesEveryJobOnceWithAnyNumberOfThreads) {
@@ -104,8 +104,8 @@ TEST(ThreadTeamDeathTest, WorksWithTheThreadsThatThereAre) {
 #endif
 
 TEST(ThreadTeam, NeedsAThread) {
-  EXPECT_THROW(ThreadTeam{0}, ContractError);
+  EXPECT_THROW(ThreadTeam{0}, core::ContractError);
 }
 
 }  // namespace
-}  // namespace slam::core
+}  // namespace slam::threads

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace slam::core {
+namespace slam::threads {
 
 /// A part that copies share until one of them changes it (copy on write), or none. As std::shared_ptr in half
 /// the memory: a gridmap::Grid's directory is full of them.
@@ -48,4 +48,4 @@ class SharedPart {
   Held* held_ = nullptr;
 };
 
-}  // namespace slam::core
+}  // namespace slam::threads

@@ -7,11 +7,13 @@
 #include "libslam/logs/log_format.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
-#include "tests/logs/edited_logs.h"
+#include "tests/edit/edited_logs.h"
 #include "tests/logs/log_fixtures.h"
 
-namespace slam::logs {
+namespace slam::edit {
 namespace {
+
+using namespace logs;
 
 using mrpt::obs::CActionCollection;
 using mrpt::obs::CActionRobotMovement2D;
@@ -236,4 +238,4 @@ TEST(FilterLog, AShiftMovesStampsByWholeTicks) {
 }
 
 }  // namespace
-}  // namespace slam::logs
+}  // namespace slam::edit

@@ -1,4 +1,4 @@
-#include "libslam/core/thread_team.h"
+#include "libslam/threads/thread_team.h"
 
 #include <condition_variable>
 #include <exception>
@@ -8,10 +8,10 @@
 #include <thread>
 #include <vector>
 
-#include "libslam/core/cpu_time.h"
 #include "libslam/core/error.h"
+#include "libslam/threads/cpu_time.h"
 
-namespace slam::core {
+namespace slam::threads {
 namespace {
 
 struct FirstError {
@@ -47,7 +47,7 @@ struct ThreadTeam::Shared {
       } catch (...) {
         error = std::current_exception();
       }
-      const double now_s = cpu_s == nullptr ? 0 : threadCpuSeconds();
+      const double now_s = cpu_s == nullptr ? 0 : cpuSeconds();
       lock.lock();
       if (cpu_s != nullptr) *cpu_s = now_s;
       if (error) first_error.add(index, error);
@@ -67,7 +67,7 @@ struct ThreadTeam::Shared {
 };
 
 ThreadTeam::ThreadTeam(int threads) {
-  if (threads < 1) throw ContractError("ThreadTeam: threads must be at least 1");
+  if (threads < 1) throw core::ContractError("ThreadTeam: threads must be at least 1");
   if (threads == 1) return;
   shared_ = std::make_unique<Shared>();
   const auto others = static_cast<size_t>(threads - 1);
@@ -128,4 +128,4 @@ void ThreadTeam::forEach(size_t count, const std::function<void(size_t)>& job) {
   if (first_error.error) std::rethrow_exception(first_error.error);
 }
 
-}  // namespace slam::core
+}  // namespace slam::threads

@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/core/shared_part.h"
+#include "libslam/threads/shared_part.h"
 
-namespace slam::core {
+namespace slam::threads {
 
 /// A sequence that grows at its end, in pieces of kPiece elements. Growing moves the last piece at most, so
 /// that no element waits for all the others; and copies share their pieces until one of them changes one, so
@@ -74,4 +74,4 @@ class SharedPieces {
   std::vector<SharedPart<std::vector<T>>> pieces_;
 };
 
-}  // namespace slam::core
+}  // namespace slam::threads
