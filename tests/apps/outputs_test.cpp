@@ -89,6 +89,7 @@ TEST_F(Outputs, HaveOneWriter) {
     EXPECT_EQ(second.err, "rasterslam: shared: another run is writing it\n") << command;
     EXPECT_FALSE(fs::exists(folder() / "shared")) << command;
   }
+  fs::remove(folder() / "shared.lock");
 }
 
 TEST_F(Outputs, AreWrittenByNobodyWhenCompareWasKilled) {
