@@ -40,7 +40,7 @@ struct Given {
 
 /// Ten steps of 0.1 m, a scan to the front and one to the rear at each.
 std::string writeTwo(const testing::TempFolder& folder, const Given& given) {
-  const std::string path = folder / "two.rawlog";
+  std::string path = folder / "two.rawlog";
   LogWriter writer(path, given.form);
   for (int i = 0; i < 10; ++i) {
     const double time_s = kStart_s + i * kPeriod_s;
