@@ -7,7 +7,6 @@
 // all engines alike.
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
-#include <time.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -24,11 +23,13 @@
 
 #include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
+#include "libslam/core/middle_value.h"
 #include "libslam/core/random.h"
 #include "libslam/files/files.h"
 #include "libslam/rays/ray_caster.h"
 #include "libslam/rays/sector_caster.h"
 #include "libslam/table/table.h"
+#include "libslam/threads/cpu_time.h"
 #include "libslam/world/plan.h"
 
 namespace {
@@ -43,19 +44,6 @@ struct Arguments {
   int rounds = 25;
   double compare_rays = 1e6;
 };
-
-double threadSeconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::vector<core::Pose2> freePoses(const world::Plan& plan, int count, const std::string& stream) {
   core::RandomStream random(1, stream);
@@ -145,11 +133,11 @@ double differences(const world::Plan& plan, const std::vector<rays::SectorCaster
 double makingSecondsPerMegacell(const world::Plan& plan) {
   std::vector<double> seconds;
   for (int i = 0; i < 9; ++i) {
-    const double before = threadSeconds();
+    const double before = threads::cpuSeconds();
     const rays::SectorTable table(plan);
-    seconds.push_back(threadSeconds() - before);
+    seconds.push_back(threads::cpuSeconds() - before);
   }
-  return median(seconds) / (double(plan.cells.size()) / 1e6);
+  return core::middleValue(seconds) / (double(plan.cells.size()) / 1e6);
 }
 
 /// Wall time of a batch with one thread over that with two.
@@ -166,7 +154,7 @@ double speedUpOfTwoThreads(const rays::SectorCaster& caster, const std::vector<c
     const double one = seconds(1);
     ratios.push_back(one / seconds(2));
   }
-  return median(ratios);
+  return core::middleValue(ratios);
 }
 
 struct Engine {
@@ -204,10 +192,10 @@ void addRows(const world::Plan& plan, const Arguments& arguments, table::Table& 
     std::vector<double> seconds(engines.size());
     for (size_t turn = 0; turn < engines.size(); ++turn) {
       const size_t which = (turn + static_cast<size_t>(round)) % engines.size();
-      const double before = threadSeconds();
+      const double before = threads::cpuSeconds();
       for (int i = 0; i < kPosesPerRound; ++i)
         engines[which].cast(poses[static_cast<size_t>(round * kPosesPerRound + i) % poses.size()]);
-      seconds[which] = (threadSeconds() - before) / kPosesPerRound;
+      seconds[which] = (threads::cpuSeconds() - before) / kPosesPerRound;
     }
     for (size_t i = 0; i < engines.size(); ++i) {
       engines[i].seconds.push_back(seconds[i]);
@@ -223,8 +211,9 @@ void addRows(const world::Plan& plan, const Arguments& arguments, table::Table& 
   const std::string size = std::to_string(plan.columns) + " x " + std::to_string(plan.rows);
   for (size_t i = 0; i < engines.size(); ++i) {
     const bool is_mrpt = i == 0, is_table = i >= 2, is_fastest = i + 1 == engines.size();
-    table.rows.push_back({plan.name, size, engines[i].name, kBeams / median(engines[i].seconds) / 1e6,
-                          median(engines[i].ratios), is_mrpt ? error.mean_cells : 0.0,
+    table.rows.push_back({plan.name, size, engines[i].name,
+                          kBeams / core::middleValue(engines[i].seconds) / 1e6,
+                          core::middleValue(engines[i].ratios), is_mrpt ? error.mean_cells : 0.0,
                           is_mrpt ? error.beyond_two_cells_percent : 0.0, is_table ? rays / 1e6 : kNothing,
                           is_table ? different : kNothing, is_table ? making_ms : kNothing,
                           is_fastest ? two_threads : kNothing});

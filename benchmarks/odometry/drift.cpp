@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <map>
+
+#include "libslam/core/middle_value.h"
+#include "libslam/threads/cpu_time.h"
 
 namespace odometry_bench {
 namespace {
@@ -15,19 +17,6 @@ constexpr double kStretch_m = 1.0, kLongStretch_m = 10;
 constexpr size_t kStretchEvery = 10;  // scans
 constexpr double kShortRelation_s = 5, kLongRelation_s = 300;
 constexpr double kWrong_m = 0.1;
-
-double threadSeconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Sums over stretches.
 class Score {
@@ -51,8 +40,8 @@ class Score {
     for (const double e : rotations_) radians += e;
     drift.per_metre = perMetre();
     drift.per_radian = turned_rad_ > 0 ? radians / turned_rad_ : std::nan("");
-    drift.median_m = median(translations_);
-    drift.median_rad = median(rotations_);
+    drift.median_m = core::middleValue(translations_);
+    drift.median_rad = core::middleValue(rotations_);
     drift.stretches = translations_.size();
   }
 
@@ -121,14 +110,14 @@ Drift measureDrift(const BenchLog& log, slam::odometry::ScanOdometry& odometry) 
   std::vector<double> times_us;
   Pose2 pose;
   for (size_t i = 0; i < log.scans.size(); ++i) {
-    const double start_s = threadSeconds();
+    const double start_s = threads::cpuSeconds();
     const auto motion = odometry.update(log.scans[i], log.commands[i]);
-    times_us.push_back(1e6 * (threadSeconds() - start_s));
+    times_us.push_back(1e6 * (threads::cpuSeconds() - start_s));
     pose = pose * motion.T_previous_current;
     estimate.push_back(pose);
     if (!motion.reliable) ++drift.flagged;
   }
-  drift.median_us = median(times_us);
+  drift.median_us = core::middleValue(times_us);
   if (!log.truth.empty())
     scoreByTruth(log.truth, estimate, drift);
   else

@@ -11,6 +11,7 @@
 
 #include "libslam/certified/global.h"
 #include "libslam/core/error.h"
+#include "libslam/core/middle_value.h"
 #include "libslam/files/files.h"
 #include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/g2o_io.h"
@@ -79,11 +80,6 @@ struct Tally {
   }
 };
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 void addRows(const std::string& name, const std::vector<Case>& cases, int random_starts,
              table::Table& table) {
   Tally odometry, random;
@@ -106,7 +102,7 @@ void addRows(const std::string& name, const std::vector<Case>& cases, int random
   for (const auto& [start, tally] : {std::pair("odometry", odometry), std::pair("random", random)})
     table.rows.push_back({name, std::string(start), double(tally.graphs), double(tally.local),
                           double(tally.found), double(tally.certified), tally.worst_gap,
-                          median(tally.local_ms), median(tally.global_ms)});
+                          core::middleValue(tally.local_ms), core::middleValue(tally.global_ms)});
   std::cerr << name << "\n";
 }
 

@@ -13,7 +13,7 @@ constexpr double kShortestWay_m = 0.5;
 }  // namespace
 
 void closeTaken(paths::FreeSpace& looking, const std::vector<Teammate>& team, double unknown_path_m) {
-  const paths::LidarView all_round{-core::kPi, 2 * core::kPi, kTaken_m, true};
+  const paths::LookShape all_round{-core::kPi, 2 * core::kPi, kTaken_m, true};
   std::vector<std::size_t> taken;
   for (const auto& mate : team) {
     if (!mate.goal) continue;

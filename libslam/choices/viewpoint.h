@@ -14,7 +14,7 @@ struct Viewpoint {
   std::vector<paths::PathPlanner::Node> way;  ///< from the robot
   double length_m = 0;                        ///< of the way
   double cost_m = 0;                          ///< of the way, in metres of comfortable driving
-  std::size_t frontier = 0;                   ///< which of Scene::frontiers it is for
+  std::size_t frontier = 0;                   ///< which of strategies::Prospects::frontiers it is for
   bool at_frontier = true;  ///< as near to the frontier as the robot can; else on the way there
 };
 

@@ -1,7 +1,5 @@
 #include "libslam/draw/page_text.h"
 
-#include <zlib.h>
-
 #include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -81,24 +79,6 @@ std::string base64Floats(const std::vector<double>& numbers) {
 
 std::string dataUri(const std::string& media_type, std::string_view bytes) {
   return "data:" + media_type + ";base64," + base64(bytes);
-}
-
-std::string gzip(std::string_view bytes) {
-  z_stream stream{};
-  constexpr int kGzipWindow = 15 + 16;
-  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindow, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-    throw core::IoError("zlib cannot begin to compress");
-  std::string packed(deflateBound(&stream, bytes.size()), '\0');
-  std::string input(bytes);
-  stream.next_in = reinterpret_cast<Bytef*>(input.data());
-  stream.avail_in = static_cast<uInt>(input.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  const int status = deflate(&stream, Z_FINISH);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  if (status != Z_STREAM_END) throw core::IoError("zlib cannot compress");
-  return packed;
 }
 
 }  // namespace slam::draw

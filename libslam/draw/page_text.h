@@ -18,7 +18,4 @@ std::string base64Floats(const std::vector<double>& numbers);
 /// data:TYPE;base64,...
 std::string dataUri(const std::string& media_type, std::string_view bytes);
 
-/// RFC 1952, without time and name: the same bytes give the same bytes.
-std::string gzip(std::string_view bytes);
-
 }  // namespace slam::draw

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::files {
 
@@ -19,6 +20,23 @@ std::vector<std::string> namesIn(const std::string& text, char separator) {
   for (auto& part : splitAt(text, separator))
     if (!part.empty()) names.push_back(std::move(part));
   return names;
+}
+
+std::vector<double> parseNumberList(const std::string& text) {
+  std::vector<double> numbers;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    std::istringstream words(part);
+    const auto before = numbers.size();
+    for (std::string word; words >> word;) {
+      double number = 0;
+      if (!parseNumber(word, number)) return {};
+      numbers.push_back(number);
+    }
+    if (numbers.size() == before) return {};
+  }
+  if (!text.empty() && text.back() == ',') return {};
+  return numbers;
 }
 
 }  // namespace slam::files

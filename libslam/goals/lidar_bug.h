@@ -45,8 +45,7 @@ enum class LidarBugState {
   kGaveUp
 };
 inline constexpr int kLidarBugStates = 14;
-const char* lidarBugStateName(LidarBugState state);     ///< "WALL FOLLOW"
-const char* lidarBugStateMeaning(LidarBugState state);  ///< what it does
+const char* lidarBugStateName(LidarBugState state);  ///< "WALL FOLLOW"
 
 enum class LidarBugEvent {
   kFacingGoal,

@@ -118,10 +118,6 @@ const char* lidarBugStateName(State state) {
   return kStates[static_cast<size_t>(state)].name;
 }
 
-const char* lidarBugStateMeaning(State state) {
-  return kStates[static_cast<size_t>(state)].meaning;
-}
-
 const char* lidarBugEventName(Event event) {
   return kEvents[static_cast<size_t>(event)];
 }

@@ -139,7 +139,6 @@ void SnapshotMaker::followDecision(const record::Step& step) {
 }
 
 viewer::Snapshot SnapshotMaker::snapshot(const mapping::MapBuilder* method, bool with_map) {
-  if (!note_.empty()) now_.note = note_;
   if (!method) {
     now_.path = online_;
     return now_;

@@ -36,8 +36,6 @@ class SnapshotMaker {
   /// now, else as they were when they were last asked for.
   viewer::Snapshot snapshot(const mapping::MapBuilder* method, bool with_map);
   double time_s() const { return now_.time_s; }
-  /// Said instead of the steps' own notes from now on, until it is "" again.
-  void setNote(const std::string& note) { note_ = note; }
 
  private:
   void lookAround(const record::Step& step);
@@ -53,7 +51,6 @@ class SnapshotMaker {
   obstacles::LocalObstacleMap around_;
   std::optional<choices::Decision> decision_;
   core::Pose2 T_map_decided_;  ///< where the robot took it
-  std::string note_;
   std::vector<double> strategic_rad_;
   double collided_at_s_, carried_at_s_;  ///< the last time
   std::size_t carries_ = 0;

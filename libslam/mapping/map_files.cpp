@@ -9,7 +9,6 @@
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/slam/CMetricMapBuilder.h>
-#include <zlib.h>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -19,6 +18,7 @@
 #include "libslam/builders/mrpt_compat.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
+#include "libslam/files/gzip.h"
 #include "libslam/files/memory_guard.h"
 #include "libslam/files/ros_map.h"
 #include "libslam/files/trial_run.h"
@@ -44,29 +44,12 @@ COccupancyGridMap2D plainCopy(const COccupancyGridMap2D& grid) {
   return plain;
 }
 
-/// A gzip member with no name and no time in it, so that the same object gives the same bytes.
-std::string gzipped(const void* data, size_t size) {
-  z_stream stream{};
-  const int kGzipWindow = 15 + 16;
-  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindow, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-    throw core::IoError("zlib cannot be started");
-  std::string out(deflateBound(&stream, static_cast<uLong>(size)), '\0');
-  stream.next_in = static_cast<Bytef*>(const_cast<void*>(data));
-  stream.avail_in = static_cast<uInt>(size);
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  const int result = deflate(&stream, Z_FINISH);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  if (result != Z_STREAM_END) throw core::IoError("zlib cannot compress");
-  return out;
-}
-
 /// MRPT's own writers go through gzip streams that do not report a full disk.
 void writeObject(const mrpt::serialization::CSerializable& object, const std::string& path) {
   mrpt::io::CMemoryStream buffer;
   mrpt::serialization::archiveFrom(buffer) << object;
-  files::writeFileAtomically(path, gzipped(buffer.getRawBufferData(), buffer.getTotalBytesCount()));
+  files::writeFileAtomically(
+      path, files::gzip({static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()}));
 }
 
 /// ROS's picture of the map, the top row first.

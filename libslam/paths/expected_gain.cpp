@@ -56,7 +56,7 @@ double directionOf(int i, int directions) {
   return (i + 0.5) * 2 * core::kPi / directions;
 }
 
-bool covers(const LidarView& view, double heading_rad, double direction_rad) {
+bool covers(const LookShape& view, double heading_rad, double direction_rad) {
   if (view.full_circle) return true;
   double from_first = core::wrapToPi(direction_rad - heading_rad - view.first_rad);
   if (from_first < 0) from_first += 2 * core::kPi;
@@ -65,8 +65,8 @@ bool covers(const LidarView& view, double heading_rad, double direction_rad) {
 
 }  // namespace
 
-LidarView lidarView(const lidar::Scan& scan) {
-  LidarView view;
+LookShape lookShape(const lidar::Scan& scan) {
+  LookShape view;
   view.full_circle = scan.isFullCircle();
   const double beams = static_cast<double>(scan.ranges_m.size());
   view.fov_rad = view.full_circle ? 2 * core::kPi : std::max(0.0, beams - 1) * scan.step_rad;
@@ -79,7 +79,7 @@ double GainProfile::total() const {
   return std::accumulate(area_m2.begin(), area_m2.end(), 0.0);
 }
 
-double GainProfile::within(const LidarView& view, double heading_rad) const {
+double GainProfile::within(const LookShape& view, double heading_rad) const {
   double sum_m2 = 0;
   const int directions = static_cast<int>(area_m2.size());
   for (int i = 0; i < directions; ++i)
@@ -87,7 +87,7 @@ double GainProfile::within(const LidarView& view, double heading_rad) const {
   return sum_m2;
 }
 
-double GainProfile::bestHeading(const LidarView& view) const {
+double GainProfile::bestHeading(const LookShape& view) const {
   const int directions = static_cast<int>(area_m2.size());
   if (directions == 0) return 0;
   // Heading along direction 0 the view covers one circular run of directions; other headings shift the run.
@@ -113,7 +113,7 @@ double GainProfile::bestHeading(const LidarView& view) const {
   return core::wrapToPi(directionOf(best, directions));
 }
 
-GainProfile expectedGain(const FreeSpace& space, const core::Point2& p_map, const LidarView& view,
+GainProfile expectedGain(const FreeSpace& space, const core::Point2& p_map, const LookShape& view,
                          double unknown_path_m, int directions) {
   GainProfile profile;
   profile.area_m2.assign(static_cast<std::size_t>(directions), 0.0);
@@ -125,7 +125,7 @@ GainProfile expectedGain(const FreeSpace& space, const core::Point2& p_map, cons
 }
 
 std::vector<std::pair<std::size_t, float>> expectedCells(const FreeSpace& space, const core::Point2& p_map,
-                                                         const LidarView& view, double heading_rad,
+                                                         const LookShape& view, double heading_rad,
                                                          double unknown_path_m, int directions) {
   std::vector<std::pair<std::size_t, float>> cells;
   const double wedge_rad = 2 * core::kPi / directions;

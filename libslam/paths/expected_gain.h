@@ -10,13 +10,13 @@
 namespace slam::paths {
 
 /// What a lidar on the robot would look at from somewhere, taken from one of its scans.
-struct LidarView {
+struct LookShape {
   double first_rad = 0;  ///< direction of the first beam in the robot frame
   double fov_rad = 0;    ///< 2 pi for a full circle
   double max_range_m = 0;
   bool full_circle = false;
 };
-LidarView lidarView(const lidar::Scan& scan);
+LookShape lookShape(const lidar::Scan& scan);
 
 /// What a look round from a place is expected to show, by direction.
 ///
@@ -33,16 +33,16 @@ struct GainProfile {
   /// Of all directions.
   double total() const;
   /// Of those that the lidar covers when the robot heads along heading_rad.
-  double within(const LidarView& view, double heading_rad) const;
+  double within(const LookShape& view, double heading_rad) const;
   /// The heading with the largest within(), of equals the first. Undefined for an empty profile.
-  double bestHeading(const LidarView& view) const;
+  double bestHeading(const LookShape& view) const;
 };
-GainProfile expectedGain(const FreeSpace& space, const core::Point2& p_map, const LidarView& view,
+GainProfile expectedGain(const FreeSpace& space, const core::Point2& p_map, const LookShape& view,
                          double unknown_path_m, int directions);
 
 /// The same for one heading, cell by cell: (cell, expected area in m^2), a cell once per ray that crosses it.
 std::vector<std::pair<std::size_t, float>> expectedCells(const FreeSpace& space, const core::Point2& p_map,
-                                                         const LidarView& view, double heading_rad,
+                                                         const LookShape& view, double heading_rad,
                                                          double unknown_path_m, int directions);
 
 }  // namespace slam::paths

@@ -81,7 +81,7 @@ PathFollower::Step PathFollower::next(const lidar::Scan& scan, const core::Pose2
   };
   if (!advanceWaypoint(T_map_robot)) {
     if (!look_at_ || sighted_) return {Status::kArrived, stand};
-    const LidarView view = lidarView(scan);
+    const LookShape view = lookShape(scan);
     const double middle_rad = view.first_rad + 0.5 * view.fov_rad;
     const double error_rad = core::angleDifference(bearing(*look_at_), middle_rad);
     const double half_rad = 0.5 * view.fov_rad - std::min(kInsideView_rad, 0.25 * view.fov_rad);

@@ -10,7 +10,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/files/number_list.h"
+#include "libslam/files/word_list.h"
 #include "libslam/goals/surroundings.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"

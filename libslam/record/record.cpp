@@ -5,7 +5,7 @@
 
 #include "libslam/buildings/furniture.h"
 #include "libslam/core/error.h"
-#include "libslam/files/number_list.h"
+#include "libslam/files/word_list.h"
 #include "libslam/record/recorder.h"
 #include "libslam/record/sensor.h"
 #include "libslam/safety/safe_motion.h"

@@ -7,6 +7,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/draw/page_text.h"
+#include "libslam/files/gzip.h"
 #include "libslam/files/parameters.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
@@ -261,7 +262,7 @@ std::string downloadsSection(const std::vector<ReportDownload>& downloads) {
     // Text of some length is packed: a path of thousands of lines shrinks to a third.
     constexpr size_t kWorthPacking = 16384;
     const bool packed = file.bytes.size() > kWorthPacking && file.media_type != "image/png";
-    const std::string content = packed ? draw::gzip(file.bytes) : file.bytes;
+    const std::string content = packed ? files::gzip(file.bytes) : file.bytes;
     const std::string name = file.name + (packed ? ".gz" : "");
     if (bytes + content.size() > kMostDownloadBytes) {
       left_out += (left_out.empty() ? "" : ", ") + file.name;

@@ -18,8 +18,8 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/draw/map_view.h"
-#include "libslam/draw/page_text.h"
 #include "libslam/files/files.h"
+#include "libslam/files/gzip.h"
 #include "libslam/files/memory_guard.h"
 #include "libslam/files/trial_run.h"
 #include "libslam/graph/graph_slam.h"
@@ -43,7 +43,7 @@ void save(const COpenGLScene& scene, const std::string& file) {
   mrpt::io::CMemoryStream buffer;
   mrpt::serialization::archiveFrom(buffer) << scene;
   files::writeFileAtomically(
-      file, draw::gzip({static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()}));
+      file, files::gzip({static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()}));
 }
 
 using mrpt::img::TColor;

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/files/number_list.h"
+#include "libslam/files/word_list.h"
 
 namespace slam::sim {
 namespace {

@@ -14,7 +14,7 @@ class InformationGain : public MapStrategy {
   InformationGain(const StrategyOptions& options, core::RandomStream) : MapStrategy(options) {}
 
  private:
-  std::optional<Choice> choose(const Scene& scene) override;
+  std::optional<Choice> choose(const Prospects& prospects) override;
 };
 
 }  // namespace slam::strategies

@@ -266,7 +266,7 @@ std::optional<choices::Decision> MapStrategy::goOn(const paths::PathPlanner& pla
     const auto count = std::min(most, viewpoints.size() - first);
     const auto some = withWays(planner, {begin, begin + static_cast<std::ptrdiff_t>(count)});
     if (const auto choice = choose({looking.space, planner, looking.frontier_cells, frontiers, some,
-                                    paths::lidarView(scan), T_map_robot}))
+                                    paths::lookShape(scan), T_map_robot}))
       return decisionFor(planner, frontiers, some, *choice);
   }
   abandoned_ += frontiers.size();

@@ -18,13 +18,13 @@
 namespace slam::strategies {
 
 /// What a map strategy chooses from.
-struct Scene {
+struct Prospects {
   const paths::FreeSpace& space;  ///< with an obstacle where a border of the unknown turned out to be one
   const paths::PathPlanner& planner;
   const std::vector<std::size_t>& frontier_cells;     ///< of `space`, ascending
   const std::vector<paths::Frontier>& frontiers;      ///< those in reach that have not been given up
   const std::vector<choices::Viewpoint>& viewpoints;  ///< by cost, never empty
-  paths::LidarView view;
+  paths::LookShape view;
   core::Pose2 T_map_robot;
 };
 
@@ -78,7 +78,7 @@ class MapStrategy : public Strategy {
         look_rad;  ///< heading to look along at the goal, map frame; nothing: at the frontier
   };
   /// Nothing when no viewpoint is worth going to: then the exploration is finished.
-  virtual std::optional<Choice> choose(const Scene& scene) = 0;
+  virtual std::optional<Choice> choose(const Prospects& prospects) = 0;
   /// Also look from places short of the frontiers.
   virtual bool wantsStandoffs() const { return true; }
 

@@ -10,7 +10,7 @@ class NearestFrontier : public MapStrategy {
   NearestFrontier(const StrategyOptions& options, core::RandomStream) : MapStrategy(options) {}
 
  private:
-  std::optional<Choice> choose(const Scene& scene) override;
+  std::optional<Choice> choose(const Prospects& prospects) override;
   bool wantsStandoffs() const override { return false; }
 };
 

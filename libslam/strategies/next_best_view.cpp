@@ -66,13 +66,13 @@ double worthAfter(const std::vector<View>& views, std::size_t first, const Strat
 
 }  // namespace
 
-std::optional<MapStrategy::Choice> NextBestView::choose(const Scene& scene) {
+std::optional<MapStrategy::Choice> NextBestView::choose(const Prospects& prospects) {
   std::vector<View> views;
-  for (const auto& viewpoint : scene.viewpoints) {
-    const auto profile =
-        paths::expectedGain(scene.space, viewpoint.p_map, scene.view, options().unknown_path_m, kDirections);
-    const double look_rad = profile.bestHeading(scene.view);
-    const double gain_m2 = profile.within(scene.view, look_rad);
+  for (const auto& viewpoint : prospects.viewpoints) {
+    const auto profile = paths::expectedGain(prospects.space, viewpoint.p_map, prospects.view,
+                                             options().unknown_path_m, kDirections);
+    const double look_rad = profile.bestHeading(prospects.view);
+    const double gain_m2 = profile.within(prospects.view, look_rad);
     if (gain_m2 < options().gain_min_m2) continue;
     const double worth =
         (gain_m2 + options().view_bonus_m2) * core::exp(-options().lambda_per_m * viewpoint.length_m);
@@ -83,10 +83,10 @@ std::optional<MapStrategy::Choice> NextBestView::choose(const Scene& scene) {
                    [](const View& a, const View& b) { return a.worth > b.worth; });
   views.resize(std::min(views.size(), kMostViews));
   for (auto& view : views)
-    view.cells = paths::expectedCells(scene.space, view.viewpoint->p_map, scene.view, view.look_rad,
+    view.cells = paths::expectedCells(prospects.space, view.viewpoint->p_map, prospects.view, view.look_rad,
                                       options().unknown_path_m, kDirections);
 
-  if (shown_.size() != scene.space.state.size()) shown_.assign(scene.space.state.size(), 0);
+  if (shown_.size() != prospects.space.state.size()) shown_.assign(prospects.space.state.size(), 0);
   const View* best = nullptr;
   double most = 0, most_then = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -99,8 +99,9 @@ std::optional<MapStrategy::Choice> NextBestView::choose(const Scene& scene) {
   char reason[160];
   std::snprintf(reason, sizeof reason,
                 "best of %zu views: %.2f m2 of unknown, %.2f m away, worth %.3f and %.3f by what comes after",
-                scene.viewpoints.size(), best->gain_m2, best->viewpoint->length_m, best->worth, most_then);
-  return Choice{static_cast<std::size_t>(best->viewpoint - scene.viewpoints.data()), most, reason,
+                prospects.viewpoints.size(), best->gain_m2, best->viewpoint->length_m, best->worth,
+                most_then);
+  return Choice{static_cast<std::size_t>(best->viewpoint - prospects.viewpoints.data()), most, reason,
                 best->look_rad};
 }
 

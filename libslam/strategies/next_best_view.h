@@ -16,7 +16,7 @@ class NextBestView : public MapStrategy {
   NextBestView(const StrategyOptions& options, core::RandomStream) : MapStrategy(options) {}
 
  private:
-  std::optional<Choice> choose(const Scene& scene) override;
+  std::optional<Choice> choose(const Prospects& prospects) override;
 
   std::vector<char> shown_;  ///< by cell; none between two decisions
 };

@@ -24,10 +24,11 @@ constexpr double kNoWay_m = 1000;   // between places that the coarse ways do no
 constexpr double kHeading_m = 1.0;  // the first part of a way, which the robot turns to
 
 /// Metres that could be driven while the robot turns into the way.
-double turnInto(const choices::Viewpoint& viewpoint, const Scene& scene, const robot::RobotOptions& robot) {
-  const core::Pose2& here = scene.T_map_robot;
+double turnInto(const choices::Viewpoint& viewpoint, const Prospects& prospects,
+                const robot::RobotOptions& robot) {
+  const core::Pose2& here = prospects.T_map_robot;
   for (const auto node : viewpoint.way) {
-    const core::Point2 p = scene.planner.pointOf(node);
+    const core::Point2 p = prospects.planner.pointOf(node);
     if (core::distance(p, core::position(here)) < kHeading_m && node != viewpoint.node) continue;
     const double bearing_rad = core::atan2(p.y - here.y, p.x - here.x);
     return std::abs(core::angleDifference(bearing_rad, here.phi)) * robot.max_speed_mps /
@@ -36,15 +37,15 @@ double turnInto(const choices::Viewpoint& viewpoint, const Scene& scene, const r
   return 0;
 }
 
-choices::TourProblem problemOf(const std::vector<choices::Look>& stops, const Scene& scene,
+choices::TourProblem problemOf(const std::vector<choices::Look>& stops, const Prospects& prospects,
                                const robot::RobotOptions& robot) {
   choices::TourProblem problem;
   problem.stops = stops.size();
-  const paths::CoarseWays ways(scene.planner, kMostBlocks);
-  std::vector<paths::PathPlanner::Node> nodes = {scene.viewpoints[stops.front().place].way.front()};
+  const paths::CoarseWays ways(prospects.planner, kMostBlocks);
+  std::vector<paths::PathPlanner::Node> nodes = {prospects.viewpoints[stops.front().place].way.front()};
   double all_m2 = 0;
   for (const choices::Look& stop : stops) {
-    nodes.push_back(scene.viewpoints[stop.place].node);
+    nodes.push_back(prospects.viewpoints[stop.place].node);
     all_m2 += stop.area_m2;
   }
   for (const choices::Look& stop : stops) problem.urgency.push_back(kUrgency * stop.area_m2 / all_m2);
@@ -52,8 +53,8 @@ choices::TourProblem problemOf(const std::vector<choices::Look>& stops, const Sc
     for (const double length_m : ways.lengths(nodes[from], nodes))
       problem.leg_m.push_back(std::min(length_m, kNoWay_m));
   for (std::size_t i = 0; i < stops.size(); ++i) {
-    const choices::Viewpoint& viewpoint = scene.viewpoints[stops[i].place];
-    problem.leg_m[i + 1] = viewpoint.length_m + turnInto(viewpoint, scene, robot);
+    const choices::Viewpoint& viewpoint = prospects.viewpoints[stops[i].place];
+    problem.leg_m[i + 1] = viewpoint.length_m + turnInto(viewpoint, prospects, robot);
   }
   return problem;
 }
@@ -72,37 +73,37 @@ bool Tour::isStillGood(const choices::Decision& decision, const core::Pose2& T_m
   return news * space().resolution_m * space().resolution_m < kNews_m2;
 }
 
-choices::Openings Tour::openingsOf(const Scene& scene) const {
-  const auto frontiers = paths::findFrontiers(scene.space, scene.frontier_cells, 1);
+choices::Openings Tour::openingsOf(const Prospects& prospects) const {
+  const auto frontiers = paths::findFrontiers(prospects.space, prospects.frontier_cells, 1);
   const double door_m = 2 * robot::circumscribedRadius(robot()) + kDoor_m;
-  choices::Openings openings(scene.space, frontiers, door_m, options().unknown_path_m);
+  choices::Openings openings(prospects.space, frontiers, door_m, options().unknown_path_m);
   for (const auto& frontier : frontiers)
     for (const std::size_t cell : frontier.cells)
       if (isGivenUp(cell)) openings.shut(cell);
   return openings;
 }
 
-std::optional<MapStrategy::Choice> Tour::choose(const Scene& scene) {
+std::optional<MapStrategy::Choice> Tour::choose(const Prospects& prospects) {
   known_cells_ = space().known;
-  const choices::Openings openings = openingsOf(scene);
+  const choices::Openings openings = openingsOf(prospects);
   std::vector<choices::Look> looks;
-  for (std::size_t i = 0; i < scene.viewpoints.size(); ++i) {
-    looks.push_back(
-        choices::lookAround(scene.space, openings, scene.viewpoints[i].p_map, scene.view.max_range_m));
+  for (std::size_t i = 0; i < prospects.viewpoints.size(); ++i) {
+    looks.push_back(choices::lookAround(prospects.space, openings, prospects.viewpoints[i].p_map,
+                                        prospects.view.max_range_m));
     looks.back().place = i;
   }
-  const std::size_t cells = scene.space.state.size();
+  const std::size_t cells = prospects.space.state.size();
   auto stops = choices::coveringLooks(looks, cells, kStop_m2, kMostStops);
   if (stops.empty())
     stops = choices::coveringLooks(std::move(looks), cells, options().gain_min_m2, kMostStops);
   if (stops.empty()) return std::nullopt;
 
-  const choices::TourProblem problem = problemOf(stops, scene, robot());
+  const choices::TourProblem problem = problemOf(stops, prospects, robot());
   auto order = choices::shortestTour(problem);
   double cost = choices::tourCost(problem, order);
   if (aim_) {
     const auto away_m = [&](std::size_t i) {
-      return core::distance(scene.viewpoints[stops[i].place].p_map, *aim_);
+      return core::distance(prospects.viewpoints[stops[i].place].p_map, *aim_);
     };
     std::size_t same = 0;
     for (std::size_t i = 1; i < stops.size(); ++i)
@@ -114,7 +115,7 @@ std::optional<MapStrategy::Choice> Tour::choose(const Scene& scene) {
     }
   }
   const choices::Look& first = stops[order.front()];
-  const choices::Viewpoint& viewpoint = scene.viewpoints[first.place];
+  const choices::Viewpoint& viewpoint = prospects.viewpoints[first.place];
   const auto add = [](double sum_m2, const choices::Look& stop) { return sum_m2 + stop.area_m2; };
   const double all_m2 = std::accumulate(stops.begin(), stops.end(), 0.0, add);
   if (all_m2 < kWorthTheWay_m2pm * cost) return std::nullopt;
@@ -122,7 +123,7 @@ std::optional<MapStrategy::Choice> Tour::choose(const Scene& scene) {
   char reason[160];
   std::snprintf(reason, sizeof reason, "first of %zu stops: expects %.2f m2 of unknown, %.2f m away",
                 stops.size(), first.area_m2, viewpoint.length_m);
-  return Choice{first.place, -cost, reason, first.profile.bestHeading(scene.view)};
+  return Choice{first.place, -cost, reason, first.profile.bestHeading(prospects.view)};
 }
 
 }  // namespace slam::strategies

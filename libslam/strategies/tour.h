@@ -26,12 +26,12 @@ class Tour : public MapStrategy {
                    std::size_t next_waypoint) override;
 
  private:
-  std::optional<Choice> choose(const Scene& scene) override;
+  std::optional<Choice> choose(const Prospects& prospects) override;
   double closedGap_m() const override { return options().frontier_min_m; }
   std::optional<std::size_t> sharedViewpoints() const override;
   bool wantsStandoffs() const override { return false; }
 
-  choices::Openings openingsOf(const Scene& scene) const;
+  choices::Openings openingsOf(const Prospects& prospects) const;
 
   std::optional<core::Point2> aim_;  ///< the stop of the last decision
   std::size_t known_cells_ = 0;      ///< of the map at the last decision

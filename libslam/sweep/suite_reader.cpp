@@ -6,7 +6,6 @@
 
 #include "libslam/files/files.h"
 #include "libslam/files/ini_text.h"
-#include "libslam/files/number_list.h"
 #include "libslam/files/word_list.h"
 #include "libslam/resources/ini_yaml.h"
 #include "libslam/run/external_method.h"

@@ -174,7 +174,7 @@ class Course:
         choose = "".join(f'  if (answer() == "{name}") {{\n{text}\n  }}\n' for name, text in variants.items())
         asking = ('#include <fstream>\n#include <stdexcept>\nstatic std::string answer() {\n  std::ifstream in("'
                   + str(self.scratch / "answer") + '");\n  std::string word;\n  in >> word;\n  return word;\n}\n')
-        text = re.sub(body, lambda _: "std::optional<Mine::Choice> Mine::choose(const slam::strategies::Scene& scene) {\n" + choose
+        text = re.sub(body, lambda _: "std::optional<Mine::Choice> Mine::choose(const slam::strategies::Prospects& prospects) {\n" + choose
                       + "  return std::nullopt;\n}\n", template, flags=re.DOTALL)
         source.write_text(text.replace('#include "mine.h"\n', '#include "mine.h"\n\n#include <cmath>\n' + asking))
         answer = self.scratch / "answer"

@@ -12,8 +12,8 @@ namespace {
 
 using core::kPi;
 
-LidarView circle(double max_range_m) {
-  LidarView view;
+LookShape circle(double max_range_m) {
+  LookShape view;
   view.full_circle = true;
   view.fov_rad = 2 * kPi;
   view.first_rad = -kPi;
@@ -95,20 +95,20 @@ TEST(ExpectedGain, CountsWhatTheLidarCoversAndFindsTheHeadingForIt) {
   EXPECT_NEAR(cells, profile.within(view, best), 1e-5);  // summed in single precision
 }
 
-TEST(LidarView, IsTakenFromTheScan) {
+TEST(LookShape, IsTakenFromTheScan) {
   lidar::Scan scan;
   scan.first_angle_rad = -kPi / 2;
   scan.step_rad = kPi / 180;
   scan.ranges_m.assign(181, 1.0F);
   scan.max_range_m = 8;
   scan.T_robot_lidar.phi = kPi / 2;
-  const auto view = lidarView(scan);
+  const auto view = lookShape(scan);
   EXPECT_FALSE(view.full_circle);
   EXPECT_NEAR(view.first_rad, 0, 1e-12);
   EXPECT_NEAR(view.fov_rad, kPi, 1e-12);
   EXPECT_EQ(view.max_range_m, 8);
   scan.ranges_m.assign(360, 1.0F);
-  EXPECT_TRUE(lidarView(scan).full_circle);
+  EXPECT_TRUE(lookShape(scan).full_circle);
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 #include "@name@.h"
 
-// Edit here. scene.viewpoints are the places to look from, the cheapest way first; each has its way
+// Edit here. prospects.viewpoints are the places to look from, the cheapest way first; each has its way
 // (length_m, cost_m) and the frontier that it is for. This one takes the last, the farthest: a robot that
 // drives more than it looks.
-std::optional<@Name@::Choice> @Name@::choose(const slam::strategies::Scene& scene) {
-  const std::size_t chosen = scene.viewpoints.size() - 1;
-  return Choice{chosen, scene.viewpoints[chosen].cost_m, "the farthest", std::nullopt};
+std::optional<@Name@::Choice> @Name@::choose(const slam::strategies::Prospects& prospects) {
+  const std::size_t chosen = prospects.viewpoints.size() - 1;
+  return Choice{chosen, prospects.viewpoints[chosen].cost_m, "the farthest", std::nullopt};
 }
 
 slam::explore::OwnStrategy ownStrategy() {

@@ -9,7 +9,7 @@ class @Name@ : public slam::strategies::MapStrategy {
   @Name@(const slam::strategies::StrategyOptions& options, slam::core::RandomStream) : MapStrategy(options) {}
 
  private:
-  std::optional<Choice> choose(const slam::strategies::Scene& scene) override;
+  std::optional<Choice> choose(const slam::strategies::Prospects& prospects) override;
   /// Only the places nearest to each frontier; true adds places on the way there, from which it can be seen,
   /// too.
   bool wantsStandoffs() const override { return false; }
