@@ -23,5 +23,4 @@ std::string gzip(std::string_view bytes) {
   return packed;
 }
 
-
 }  // namespace slam::files
