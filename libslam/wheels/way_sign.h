@@ -5,7 +5,7 @@ namespace slam::wheels {
 
 /// Whether the wheels tell forwards from backwards: some count every metre forwards. Learnt while the robot
 /// drives, by the metres that are counted backwards and were so as a map shows, and by those that went the
-/// other way than they were counted. Metres forwards say nothing of it.
+/// other way than they were counted. Metres forwards say little of it.
 class WaySign {
  public:
   /// A step of the wheels, and as it was matched; both m, rad, in the robot's frame before it. `told`: of

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+
 #include "libslam/core/pose2.h"
 #include "libslam/wheels/pieces.h"
 
@@ -9,8 +11,11 @@ namespace slam::wheels {
 /// same share. It adds up between two scans a metre or more apart, and whatever scans tell nothing of.
 ///
 /// A line through pieces of about half a metre or half a radian, turn as matched minus turn of the wheels
-/// over way and turn, of the last metres more than of those before. What was assumed before counts by the
-/// noise that the pieces show, those that mostly drive and those that mostly turn; pieces far off count less.
+/// over way and turn, of the last metres more than of those before. How far back depends on the robot: some
+/// wheels turn the same for years, others otherwise on every floor. So there are lines with memories of
+/// several lengths, and each counts by how well it foretold the pieces (Bayesian model averaging). What was
+/// assumed before counts by the noise that the pieces show, those that mostly drive and those that mostly
+/// turn; pieces far off count less.
 /// Simultaneous calibration and localisation as by Roy and Thrun, ICRA 1999, with the noise estimated; the
 /// two parameters are the systematic errors of Borenstein and Feng, IEEE Transactions on Robotics and
 /// Automation 12(6), 1996.
@@ -33,17 +38,25 @@ class WheelHeading {
   double perRadian() const { return per_radian_; }
 
  private:
+  /// Normal equations of a line, fading, and what it says.
+  struct Line {
+    double memory_m;
+    double way_way = 0, way_turn = 0, turn_turn = 0, way_excess = 0, turn_excess = 0;
+    double per_metre = 0, per_radian = 0;
+    double missed = 0;  ///< squares of how far it was off, in standard deviations, fading
+  };
   /// Sums along the piece at hand. `excess`: of the matched turns over the wheels'.
   struct Piece {
     double ahead_m = 0, way_m = 0, turn_rad = 0, turned_rad = 0, excess_rad = 0;
   };
   void addPiece();
+  void addTo(Line& line, double weight, double length) const;
+  void weighLines();
 
   double per_metre_ = 0, per_radian_ = 0;
   Piece piece_;
   Scatter driving_{4e-4}, turning_{2.5e-3};  ///< assumed: 0.02 rad on a metre, 0.05 rad on a radian
-  /// Normal equations of the line, fading.
-  double way_way_ = 0, way_turn_ = 0, turn_turn_ = 0, way_excess_ = 0, turn_excess_ = 0;
+  std::array<Line, 3> lines_{{{10}, {30}, {kMemory}}};
 };
 
 }  // namespace slam::wheels

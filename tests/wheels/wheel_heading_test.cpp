@@ -106,5 +106,26 @@ TEST(WheelHeading, FollowsChange) {
   EXPECT_NEAR(heading.perMetre(), 0.05, 0.01);
 }
 
+/// By how much it is off on a metre, on average over 600 m after as many, where wheels turn by `error` per
+/// metre to one side for so many metres and then to the other.
+double offWhereErrorsTurn(double error, int every_m) {
+  core::RandomStream chance(1, "heading");
+  WheelHeading heading;
+  double off = 0;
+  for (int i = 0; i < 2400; ++i) {
+    const Wheels wheels{i / 2 / every_m % 2 == 0 ? error : -error, 0, 0.01, 0};
+    const Pose2 T_true{0.5, 0, 0};
+    if (i >= 1200) off += std::abs(heading.perMetre() - wheels.per_metre) / 1200;
+    heading.learn(heading.corrected(wheels.of(T_true, chance)), T_true, 1);
+  }
+  return off;
+}
+
+// On every floor otherwise: what was long ago counts for little. Where it is always the same, all counts.
+TEST(WheelHeading, RemembersAsFarBackAsItTells) {
+  EXPECT_LT(offWhereErrorsTurn(0.02, 50), 0.01);
+  EXPECT_LT(offWhereErrorsTurn(0.02, 100000), 0.002);
+}
+
 }  // namespace
 }  // namespace slam::wheels
