@@ -40,8 +40,8 @@ class Score {
     for (const double e : rotations_) radians += e;
     drift.per_metre = perMetre();
     drift.per_radian = turned_rad_ > 0 ? radians / turned_rad_ : std::nan("");
-    drift.median_m = core::middleValue(translations_);
-    drift.median_rad = core::middleValue(rotations_);
+    drift.median_m = slam::core::middleValue(translations_);
+    drift.median_rad = slam::core::middleValue(rotations_);
     drift.stretches = translations_.size();
   }
 
@@ -110,14 +110,14 @@ Drift measureDrift(const BenchLog& log, slam::odometry::ScanOdometry& odometry) 
   std::vector<double> times_us;
   Pose2 pose;
   for (size_t i = 0; i < log.scans.size(); ++i) {
-    const double start_s = threads::cpuSeconds();
+    const double start_s = slam::threads::cpuSeconds();
     const auto motion = odometry.update(log.scans[i], log.commands[i]);
-    times_us.push_back(1e6 * (threads::cpuSeconds() - start_s));
+    times_us.push_back(1e6 * (slam::threads::cpuSeconds() - start_s));
     pose = pose * motion.T_previous_current;
     estimate.push_back(pose);
     if (!motion.reliable) ++drift.flagged;
   }
-  drift.median_us = core::middleValue(times_us);
+  drift.median_us = slam::core::middleValue(times_us);
   if (!log.truth.empty())
     scoreByTruth(log.truth, estimate, drift);
   else
