@@ -18,7 +18,6 @@
 #include "libslam/builders/mrpt_compat.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/files/gzip.h"
 #include "libslam/files/memory_guard.h"
 #include "libslam/files/ros_map.h"
 #include "libslam/files/trial_run.h"
@@ -29,6 +28,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/mapping/simple_map.h"
 #include "libslam/posegraph/g2o_io.h"
+#include "libslam/resources/gzip.h"
 
 namespace slam::mapping {
 namespace {
@@ -48,8 +48,8 @@ COccupancyGridMap2D plainCopy(const COccupancyGridMap2D& grid) {
 void writeObject(const mrpt::serialization::CSerializable& object, const std::string& path) {
   mrpt::io::CMemoryStream buffer;
   mrpt::serialization::archiveFrom(buffer) << object;
-  files::writeFileAtomically(
-      path, files::gzip({static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()}));
+  files::writeFileAtomically(path, resources::gzip({static_cast<const char*>(buffer.getRawBufferData()),
+                                                    buffer.getTotalBytesCount()}));
 }
 
 /// ROS's picture of the map, the top row first.

@@ -7,12 +7,12 @@
 
 #include "libslam/core/error.h"
 #include "libslam/draw/page_text.h"
-#include "libslam/files/gzip.h"
 #include "libslam/files/parameters.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
 #include "libslam/report/page_replay.h"
 #include "libslam/report/page_table.h"
+#include "libslam/resources/gzip.h"
 #include "libslam/table/number_text.h"
 
 namespace slam::report {
@@ -262,7 +262,7 @@ std::string downloadsSection(const std::vector<ReportDownload>& downloads) {
     // Text of some length is packed: a path of thousands of lines shrinks to a third.
     constexpr size_t kWorthPacking = 16384;
     const bool packed = file.bytes.size() > kWorthPacking && file.media_type != "image/png";
-    const std::string content = packed ? files::gzip(file.bytes) : file.bytes;
+    const std::string content = packed ? resources::gzip(file.bytes) : file.bytes;
     const std::string name = file.name + (packed ? ".gz" : "");
     if (bytes + content.size() > kMostDownloadBytes) {
       left_out += (left_out.empty() ? "" : ", ") + file.name;

@@ -19,10 +19,10 @@
 #include "libslam/core/error.h"
 #include "libslam/draw/map_view.h"
 #include "libslam/files/files.h"
-#include "libslam/files/gzip.h"
 #include "libslam/files/memory_guard.h"
 #include "libslam/files/trial_run.h"
 #include "libslam/graph/graph_slam.h"
+#include "libslam/resources/gzip.h"
 #include "libslam/viewer/layers.h"
 
 namespace slam::results {
@@ -42,8 +42,8 @@ void save(const COpenGLScene& scene, const std::string& file) {
   mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(true);
   mrpt::io::CMemoryStream buffer;
   mrpt::serialization::archiveFrom(buffer) << scene;
-  files::writeFileAtomically(
-      file, files::gzip({static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()}));
+  files::writeFileAtomically(file, resources::gzip({static_cast<const char*>(buffer.getRawBufferData()),
+                                                    buffer.getTotalBytesCount()}));
 }
 
 using mrpt::img::TColor;

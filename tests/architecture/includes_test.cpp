@@ -41,7 +41,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"oracle", {"core", "world", "rays", "metrics"}},
     {"draw", {"core", "files", "world", "metrics"}},
     {"pictures", {"core", "lidar", "world", "check", "metrics", "draw"}},
-    {"report", {"core", "files", "lidar", "world", "metrics", "table", "draw", "pictures"}},
+    {"report", {"core", "files", "resources", "lidar", "world", "metrics", "table", "draw", "pictures"}},
     {"viewer", {"core", "lidar", "robot", "gridmap", "world", "draw"}},
     // the robot's side
     {"gridmap", {"core", "threads", "lidar"}},

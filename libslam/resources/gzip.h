@@ -2,10 +2,10 @@
 #include <string>
 #include <string_view>
 
-namespace slam::files {
+namespace slam::resources {
 
 /// RFC 1952, without time and name: the same bytes give the same bytes. Errors: IoError when there
 /// is no memory for it.
 std::string gzip(std::string_view bytes);
 
-}  // namespace slam::files
+}  // namespace slam::resources

@@ -1,10 +1,10 @@
-#include "libslam/files/gzip.h"
+#include "libslam/resources/gzip.h"
 
 #include <zlib.h>
 
 #include "libslam/core/error.h"
 
-namespace slam::files {
+namespace slam::resources {
 
 std::string gzip(std::string_view bytes) {
   z_stream stream{};
@@ -23,4 +23,4 @@ std::string gzip(std::string_view bytes) {
   return packed;
 }
 
-}  // namespace slam::files
+}  // namespace slam::resources
