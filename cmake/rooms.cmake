@@ -1,5 +1,6 @@
 # A room is one folder, one namespace slam::<name>, one target slam_<name> (alias slam::<name>).
-#   slam_add_room(NAME world SOURCES a.cpp b.cpp ROOMS core LIBRARIES opencv_core [APART b.cpp])
+#   slam_add_room([PLAIN] NAME world SOURCES a.cpp b.cpp ROOMS core LIBRARIES opencv_core [APART b.cpp])
+# PLAIN: it reads, calls others and writes, and is not worth the time that -O2 takes over it.
 # ROOMS and LIBRARIES are public: what a room's headers need, its users get.
 # Where CMAKE_UNITY_BUILD is on (preset release) up to 8 sources are compiled as one, in half the time. Of two sources of a
 # target that both have a name for themselves, one is compiled APART.
@@ -93,7 +94,7 @@ function(rasterslam_compile_apart)
 endfunction()
 
 function(slam_add_room)
-  cmake_parse_arguments(R "" "NAME" "SOURCES;ROOMS;LIBRARIES;APART" ${ARGN})
+  cmake_parse_arguments(R "PLAIN" "NAME" "SOURCES;ROOMS;LIBRARIES;APART" ${ARGN})
   set(target slam_${R_NAME})
   rasterslam_compile_apart(${R_APART})
   rasterslam_kind_of(${R_NAME} kind)
@@ -105,6 +106,9 @@ function(slam_add_room)
     rasterslam_make_shared(${target})
   endif()
   target_compile_features(${target} PUBLIC cxx_std_17)
+  if(R_PLAIN)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   list(TRANSFORM R_ROOMS PREPEND slam::)
   target_link_libraries(${target} PUBLIC ${R_ROOMS} ${R_LIBRARIES} PRIVATE $<BUILD_INTERFACE:slam_build_flags>)
@@ -113,9 +117,10 @@ endfunction()
 # One test program per room: tests/<name>/*.cpp, linked with slam::<name> and slam::testing. ctest runs it by parts of CASES
 # tests (24). One case: build/release/tests/test_<name> --gtest_filter=Suite.Case
 # Suites that are LONG are run by ./bootstrap.sh long.
-#   slam_add_tests(world [LIBRARIES ...] [LONG Suite ...] [CASES n] [APART world/a_test.cpp])
+# PLAIN: little is computed in the tests themselves, which are not optimised then.
+#   slam_add_tests(world [PLAIN] [LIBRARIES ...] [LONG Suite ...] [CASES n] [APART world/a_test.cpp])
 function(slam_add_tests name)
-  cmake_parse_arguments(T "" "CASES" "LIBRARIES;LONG;APART" ${ARGN})
+  cmake_parse_arguments(T "PLAIN" "CASES" "LIBRARIES;LONG;APART" ${ARGN})
   if(NOT T_CASES)
     set(T_CASES 24)
   endif()
@@ -133,7 +138,11 @@ function(slam_add_tests name)
   target_compile_definitions(test_${name} PRIVATE RASTERSLAM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                   RASTERSLAM_BINARY_DIR="${PROJECT_BINARY_DIR}")
   # The tests' own code: what they call is built as ever, and a quarter of the whole build's time is saved.
-  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  if(T_PLAIN)
+    target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O0>)
+  else()
+    target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
   math(EXPR timeout "480 * ${slam_patience}")
   list(JOIN T_LONG " " long)
   set(listed ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_suites.cmake)
