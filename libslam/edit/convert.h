@@ -33,10 +33,10 @@ struct ConversionReport {
   std::vector<std::string> files;
 };
 
-/// Writes a log again, in another format or form. Poses labelled logs::kTruthLabel do not go into it but
-/// beside it, in the order of their stamps: STEM.truth.tum (STEM: logStem(out)) and MRPT's OUT.GT.txt. Memory
-/// does not grow with the log but for its true poses (32 bytes each). The files appear whole at the end or
-/// not at all.
+/// Writes a log again, in another format or form. Poses labelled objects::kTruthLabel do not go into it but
+/// beside it, in the order of their stamps: STEM.truth.tum (STEM: logs::logStem(out)) and MRPT's OUT.GT.txt.
+/// Memory does not grow with the log but for its true poses (32 bytes each). The files appear whole at the
+/// end or not at all.
 ///
 /// Errors: those of logs::openLog(), its format's reader, inForm() and logs::createLog(); InputError when a
 /// file that would be written exists and `overwrite` is not set, when no scan has the label (naming those
@@ -47,7 +47,7 @@ ConversionReport convertLog(const std::string& in, const std::string& out, const
 /// Where a log's trajectory comes from.
 enum class LogPath {
   kOdometry,  ///< the odometry at each scan that LogReader gives, from the identity
-  kTruth      ///< the poses labelled logs::kTruthLabel
+  kTruth      ///< the poses labelled objects::kTruthLabel
 };
 
 /// A log's trajectory as a file, in the order of stamps. Keeps the poses in memory (32 bytes each). Errors:

@@ -11,8 +11,8 @@
 namespace slam::edit {
 
 // Cutting, merging and filtering logs. In: any format that logs::openLog() reads. Out: an MRPT rawlog, gzip
-// inside, written beside (path + ".tmp") and renamed at the end, so an error or an interrupt leaves nothing
-// behind.
+// inside, written beside (files::PendingFile) and renamed at the end, so an error or an interrupt leaves
+// nothing behind.
 //
 // What is not touched stays as it is: of a rawlog, the bytes of each object are copied (older class versions,
 // other classes and noise-free digits included); objects of other formats are those of logs::openLog(). In a
@@ -65,7 +65,7 @@ EditCounts mergeLogs(const std::string& first, const std::string& second, const 
 struct FilterOptions {
   std::vector<std::string> keep_labels;  ///< observations of other labels are dropped; empty: none is
   std::vector<std::string> drop_labels;
-  bool drop_truth = false;  ///< observations labelled logs::kTruthLabel
+  bool drop_truth = false;  ///< observations labelled objects::kTruthLabel
   /// Of each lidar's scans the first of every so many is kept; in frames, of the frames with a 2D scan.
   std::uint64_t every = 1;
 

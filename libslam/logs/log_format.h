@@ -34,8 +34,8 @@ LogFormat detectLogFormat(const std::string& path);
 /// Errors: as detectLogFormat(), and those of each format's reader.
 std::unique_ptr<objects::ObjectSource> openLog(const std::string& path);
 
-/// A log's path without what says how it is packed (.gz .bz2 .xz) and what it is (.rawlog .clf .carmen .log
-/// .bag .db3 .mcap): "a/intel.clf.bz2" gives "a/intel". Any other path stays whole.
+/// A log's path without what says how it is packed (.gz .bz2 .xz) and what it is (a suffix of logFormats()):
+/// "a/intel.clf.bz2" gives "a/intel". Any other path stays whole.
 std::string logStem(const std::string& path);
 
 /// kRawlog writes objects as they come; turning one of MRPT's two forms into the other is a step before.

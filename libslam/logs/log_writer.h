@@ -7,10 +7,11 @@
 
 namespace slam::logs {
 
-/// Streams a rawlog that MRPT's own programs read: gzip inside, written beside (path + ".tmp") and renamed by
-/// close(), over an older file too. Action form: one CActionCollection with a CActionRobotMovement2D
-/// (odometry, MRPT's Gaussian model with its default noise) and one CSensoryFrame per scan; the increment
-/// written is T_previous_robot, so the first action is null. Observation form: CObservationOdometry
+/// Streams a rawlog that MRPT's own programs read: gzip inside, written beside (files::PendingFile) and
+/// renamed by close(), over an older file too. Action form: one CActionCollection with a
+/// CActionRobotMovement2D (odometry, MRPT's Gaussian model with its default noise) and one CSensoryFrame per
+/// scan; the increment written is T_previous_robot, so the first action is null. Observation form:
+/// CObservationOdometry
 /// ("ODOMETRY", T_odom_robot) then CObservation2DRangeScan (the entry's label, "LASER" where it has none).
 /// The scans of other lidars follow the entry's own, in its frame. A sweep is noted (sweep_note.h) with the
 /// first scan that has it. Everything carries the scan's stamp.

@@ -71,7 +71,7 @@ void WheelHeading::addPiece() {
 
 /// Adds the piece at hand to a line.
 void WheelHeading::addTo(Line& line, double weight, double length) const {
-  const double stays = core::exp(-length / line.memory_m);
+  const double stays = core::exp(-length / line.memory);
   line.way_way = stays * line.way_way + weight * square(piece_.ahead_m);
   line.way_turn = stays * line.way_turn + weight * piece_.ahead_m * piece_.turn_rad;
   line.turn_turn = stays * line.turn_turn + weight * square(piece_.turn_rad);

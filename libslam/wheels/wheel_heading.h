@@ -40,7 +40,7 @@ class WheelHeading {
  private:
   /// Normal equations of a line, fading, and what it says.
   struct Line {
-    double memory_m;
+    double memory;  ///< what was driven so many metres (or radians) ago counts a third
     double way_way = 0, way_turn = 0, turn_turn = 0, way_excess = 0, turn_excess = 0;
     double per_metre = 0, per_radian = 0;
     double missed = 0;  ///< squares of how far it was off, in standard deviations, fading
