@@ -35,7 +35,25 @@ int cellOf(double cells) {
 
 constexpr int kShiftUnit = static_cast<int>(FieldCell::kShiftsPerCell);
 
+std::array<core::Point2, kSides + 1> sideDirections() {
+  std::array<core::Point2, kSides + 1> directions{};
+  for (unsigned i = 1; i <= kSides; ++i) {
+    const double angle_rad = 2 * core::kPi * (i - 1) / kSides;
+    directions[i] = {core::cos(angle_rad), core::sin(angle_rad)};
+  }
+  return directions;
+}
+
 }  // namespace
+
+const std::array<core::Point2, kSides + 1> kSideDirections = sideDirections();
+
+Side sideTowards(const core::Point2& direction) {
+  Side nearest = kNoSide;
+  for (Side side = 1; side <= kSides; ++side)
+    if (cosine(side, direction.x, direction.y) > cosine(nearest, direction.x, direction.y)) nearest = side;
+  return nearest;
+}
 
 Grid::Grid(const GridOptions& options) : options_(options) {
   require(options.cell_m > 0 && std::isfinite(options.cell_m), "cell_m must be positive");
@@ -134,9 +152,10 @@ void Grid::forDisc(const Spot& centre, const Change& change) {
 void Grid::spreadFrom(const Spot& surface) {
   const FieldCell source = *fieldAt(surface.x, surface.y);
   forDisc(surface, [&source](FieldCell& cell, int dx, int dy) {
-    if (cell.nearSurface() && (cell.to_x != dx || cell.to_y != dy) && !nearer(dx, dy, cell.to_x, cell.to_y))
+    if (cell.nearSurface() && (cell.toX() != dx || cell.toY() != dy) &&
+        !nearer(dx, dy, cell.toX(), cell.toY()))
       return false;
-    cell.to_x = static_cast<std::int8_t>(dx), cell.to_y = static_cast<std::int8_t>(dy);
+    cell.setNearest(dx, dy, source.side());
     cell.shift_x = static_cast<std::int16_t>(source.shift_x + dx * kShiftUnit);
     cell.shift_y = static_cast<std::int16_t>(source.shift_y + dy * kShiftUnit);
     return true;
@@ -146,9 +165,9 @@ void Grid::spreadFrom(const Spot& surface) {
 /// Cuts the cells around a surface that is gone loose from it.
 void Grid::forget(const Spot& surface, std::vector<Spot>& orphans) {
   forDisc(surface, [&](FieldCell& cell, int dx, int dy) {
-    if (cell.to_x != dx || cell.to_y != dy) return false;
+    if (!cell.nearSurface() || cell.toX() != dx || cell.toY() != dy) return false;
     orphans.push_back({surface.x - dx, surface.y - dy});
-    cell.to_x = FieldCell::kNowhere, cell.to_y = 0, cell.shift_x = 0, cell.shift_y = 0;
+    cell = {};
     return true;
   });
 }
@@ -159,7 +178,7 @@ void Grid::findNearest(const Spot& spot) {
     if (!other || !other->occupied()) continue;
     const FieldCell source = *fieldAt(spot.x + offset.x, spot.y + offset.y);
     FieldCell& cell = ownField(spot.x, spot.y);
-    cell.to_x = offset.x, cell.to_y = offset.y;
+    cell.setNearest(offset.x, offset.y, source.side());
     cell.shift_x = static_cast<std::int16_t>(source.shift_x + offset.x * kShiftUnit);
     cell.shift_y = static_cast<std::int16_t>(source.shift_y + offset.y * kShiftUnit);
     return;
@@ -170,12 +189,14 @@ void Grid::findNearest(const Spot& spot) {
 struct Grid::Beams {
   core::Point2 origin;
   std::vector<core::Point2> ends;
+  double sine, cosine;  ///< of the robot's heading
   double x_min, x_max, y_min, y_max;
 
   Beams(const ScanRays& rays, const core::Pose2& T_map_robot, double cell_m) {
     const auto [s, c] = core::sinCos(T_map_robot.phi);
+    sine = s, cosine = c;
     const double per_cell = 1 / cell_m;
-    const auto toCells = [&, sine = s, cosine = c](const core::Point2& p) {
+    const auto toCells = [&](const core::Point2& p) {
       return core::Point2{(T_map_robot.x + cosine * p.x - sine * p.y) * per_cell,
                           (T_map_robot.y + sine * p.x + cosine * p.y) * per_cell};
     };
@@ -217,15 +238,18 @@ std::vector<Grid::Spot> Grid::pass(const CrossedCells& crossed, const CrossedCel
   return gone;
 }
 
-/// A ray's return into its cell. is_first: of this scan; only then the log-odds rise, whereas every return
-/// counts for the place of the surface. Whether that moved.
-bool Grid::addReturn(const Spot& spot, const core::Point2& end, bool is_first) {
+/// A ray's return into its cell, from a surface with this normal. is_first: of this scan; only then the
+/// log-odds rise, whereas every return counts for the place of the surface that lies there, if it is seen
+/// from the same side. Whether that moved.
+bool Grid::addReturn(const Spot& spot, const core::Point2& end, const core::Point2& normal, bool is_first) {
   const Cell before = at(spot.x, spot.y).value_or(Cell{});
   Cell after = before;
   if (is_first)
     after.log_odds = static_cast<std::int8_t>(
         std::min(most_, (before.seen() ? static_cast<int>(before.log_odds) : 0) + hit_));
-  const bool moves = after.occupied() && before.returns < SeenCell::kMostReturns;
+  const bool is_other = before.occupied() && cosine(before.side(), normal.x, normal.y) <
+                                                 kOtherSide * core::hypot(normal.x, normal.y);
+  const bool moves = after.occupied() && before.returns < SeenCell::kMostReturns && !is_other;
   if (moves) {
     const double x = end.x - (spot.x + 0.5), y = end.y - (spot.y + 0.5);
     if (!before.occupied()) after.shift_x = after.shift_y = 0, after.returns = 0;
@@ -234,7 +258,7 @@ bool Grid::addReturn(const Spot& spot, const core::Point2& end, bool is_first) {
         after.shift_x + toShift((x - after.shift_x / FieldCell::kShiftsPerCell) / after.returns));
     after.shift_y = static_cast<std::int16_t>(
         after.shift_y + toShift((y - after.shift_y / FieldCell::kShiftsPerCell) / after.returns));
-    after.to_x = after.to_y = 0;
+    after.setNearest(0, 0, before.occupied() ? before.side() : sideTowards(normal));
   }
   if (after.log_odds != before.log_odds || after.returns != before.returns) ownSeen(spot.x, spot.y) = after;
   if (moves) ownField(spot.x, spot.y) = after;
@@ -247,7 +271,9 @@ std::vector<Grid::Spot> Grid::addReturns(const ScanRays& rays, const Beams& beam
   for (size_t i = 0; i < beams.ends.size(); ++i) {
     if (!rays.rays[i].hit) continue;
     const Spot spot{cellOf(beams.ends[i].x), cellOf(beams.ends[i].y)};
-    if (addReturn(spot, beams.ends[i], hit.take(spot.x, spot.y))) moved.push_back(spot);
+    const core::Point2& n = rays.rays[i].normal;
+    const core::Point2 normal{beams.cosine * n.x - beams.sine * n.y, beams.sine * n.x + beams.cosine * n.y};
+    if (addReturn(spot, beams.ends[i], normal, hit.take(spot.x, spot.y))) moved.push_back(spot);
   }
   std::sort(moved.begin(), moved.end(),
             [](const Spot& a, const Spot& b) { return std::tie(a.y, a.x) < std::tie(b.y, b.x); });
@@ -358,8 +384,7 @@ Grid Grid::fromRaster(const OccupancyRaster& raster, const GridOptions& options)
       cell.log_odds = static_cast<std::int8_t>(std::clamp(logOdds(bounded), grid.least_, grid.most_));
       if (!cell.occupied()) continue;
       cell.returns = 1;
-      FieldCell& field = grid.ownField(x_min + column, y_min + row);
-      field.to_x = field.to_y = 0;
+      grid.ownField(x_min + column, y_min + row).setNearest(0, 0, kNoSide);
       surfaces.push_back({x_min + column, y_min + row});
     }
   for (const Spot& surface : surfaces) grid.spreadFrom(surface);

@@ -24,16 +24,43 @@ struct GridOptions {
   int reach_cells = 8;  ///< the field knows surfaces up to this distance; 1 to 16
 };
 
+/// A direction as a number of four bits: from which side a surface is seen. Nothing is known of kNoSide.
+using Side = std::uint8_t;
+inline constexpr Side kNoSide = 0, kSides = 15;
+/// The side in this direction; kNoSide for (0, 0).
+Side sideTowards(const core::Point2& direction);
+/// Unit vectors, of the sides' middles; (0, 0) of kNoSide.
+extern const std::array<core::Point2, kSides + 1> kSideDirections;
+/// Cosine between a side's middle and a unit vector; 0 of kNoSide.
+inline double cosine(Side side, double x, double y) {
+  return kSideDirections[side].x * x + kSideDirections[side].y * y;
+}
+/// A surface is seen from the other side below this cosine, and is another one: walls are thin.
+inline constexpr double kOtherSide = -0.2;
+
 /// What a Grid's field says in a cell, 6 bytes.
-struct FieldCell {
-  static constexpr std::int8_t kNowhere = -128;   ///< to_x where no surface is within reach
+class FieldCell {
+ public:
   static constexpr double kShiftsPerCell = 1024;  ///< unit of shift_x, shift_y
 
-  std::int8_t to_x = kNowhere, to_y = 0;  ///< from this cell to the nearest occupied one, in cells
-  /// From this cell's centre to the surface in the cell at (to_x, to_y): the mean of the first returns in it.
+  bool nearSurface() const { return nearest_ != kNowhere; }
+  /// From this cell to the nearest occupied one, in cells of -16 to 16. REQUIRES nearSurface().
+  int toX() const { return (nearest_ & kMask) - kMost; }
+  int toY() const { return (nearest_ >> kBits & kMask) - kMost; }
+  /// From which that one is seen.
+  Side side() const { return static_cast<Side>(nearest_ >> 2 * kBits & 15U); }
+  void setNearest(int to_x, int to_y, Side seen_from) {
+    nearest_ = static_cast<std::uint16_t>((to_x + kMost) | (to_y + kMost) << kBits | seen_from << 2 * kBits);
+  }
+
+  /// From this cell's centre to the surface in the cell at (toX(), toY()): the mean of the first returns in
+  /// it.
   std::int16_t shift_x = 0, shift_y = 0;
 
-  bool nearSurface() const { return to_x != kNowhere; }
+ private:
+  static constexpr int kMost = 16, kBits = 6, kMask = (1 << kBits) - 1;
+  static constexpr std::uint16_t kNowhere = 0xFFFF;
+  std::uint16_t nearest_ = kNowhere;
 };
 
 /// How a Grid's cell was seen, 2 bytes.
@@ -74,7 +101,9 @@ struct GridArea {
 /// among equally near ones that with the least (to_y, to_x), and the vector from its centre to the surface
 /// there. The vector is linear in position along and across a straight wall, so that it can be interpolated
 /// between cell centres without the rounding to cells that a distance without a sign has. Insertion keeps the
-/// field exact: it always equals one made anew from the occupied cells.
+/// field exact: it always equals one made anew from the occupied cells. With the surface goes the side that
+/// its first return was seen from: returns from the other side of a thin wall, whose two faces may fall into
+/// one cell, count for its occupancy, and not for the place of that surface.
 ///
 /// Threads: different grids may be used by different threads, also when they share tiles. Same calls, same
 /// bytes.
@@ -172,7 +201,7 @@ class Grid {
   FieldCell& ownField(int x, int y);
   struct Beams;
   std::vector<Spot> pass(const CrossedCells& crossed, const CrossedCells& hit);
-  bool addReturn(const Spot& spot, const core::Point2& end, bool is_first);
+  bool addReturn(const Spot& spot, const core::Point2& end, const core::Point2& normal, bool is_first);
   std::vector<Spot> addReturns(const ScanRays& rays, const Beams& beams, CrossedCells& hit);
   void spreadFrom(const Spot& surface);
   void forget(const Spot& surface, std::vector<Spot>& orphans);

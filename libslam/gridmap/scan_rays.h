@@ -9,6 +9,8 @@ namespace slam::gridmap {
 struct Ray {
   core::Point2 end;
   bool hit = false;
+  /// Of the surface: towards the side that it is seen from, of any length; (0, 0): not told.
+  core::Point2 normal;
 };
 
 /// A scan as straight lines from one point, all in the robot frame.
@@ -23,7 +25,8 @@ struct RayOptions {
 };
 
 /// Beam i points exactly to scan.angle(i) in the lidar frame: n beams span n - 1 steps. A lost reading (NaN)
-/// says nothing, neither does one that is not positive.
+/// says nothing, neither does one that is not positive. A surface's normal is that of the line through the
+/// returns beside it, when they are less than 0.4 m apart, else the way back along the beam.
 ScanRays scanRays(const lidar::Scan& scan, const RayOptions& options);
 
 }  // namespace slam::gridmap

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -16,6 +17,8 @@ using gridmap::FieldCell;
 /// Such points are corners, or walls whose noise hides their direction. The nearest surface is where the scan
 /// before saw it: at full weight they hold every scan back along a corridor, by 2 % of the way on ring B.
 constexpr double kWithoutNormal = 0.1;
+/// Of the weights of the four cells around a point, what those make up that know its own face of the wall.
+constexpr double kLeastOwn = 0.25;
 
 /// The field at a point, in cells.
 struct FieldVector {
@@ -23,8 +26,14 @@ struct FieldVector {
   double squared = 0;  ///< distance to the surface, and what the four vectors disagree by
 };
 
-/// u, v: the point in units of cells. False where a surface is out of reach.
-bool fieldAt(const gridmap::Grid& grid, double u, double v, FieldVector& field) {
+/// Whether the surface near a cell is the other face of a wall than the one with this normal.
+bool isOtherFace(const FieldCell& cell, double nx, double ny) {
+  return gridmap::cosine(cell.side(), nx, ny) < gridmap::kOtherSide;
+}
+
+/// u, v: the point in units of cells; nx, ny: its normal, or (0, 0). False where no surface is within reach
+/// of all four cells around it, or most of them know the other face of a wall.
+bool fieldAt(const gridmap::Grid& grid, double u, double v, double nx, double ny, FieldVector& field) {
   const double x = std::floor(u - 0.5), y = std::floor(v - 0.5);
   std::array<const FieldCell*, 4> cells;
   if (!grid.square(static_cast<int>(x), static_cast<int>(y), cells)) return false;
@@ -32,18 +41,28 @@ bool fieldAt(const gridmap::Grid& grid, double u, double v, FieldVector& field) 
       !cells[3]->nearSurface())
     return false;
   const double a = u - 0.5 - x, b = v - 0.5 - y;
-  const std::array<double, 4> weight = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
+  std::array<double, 4> weight = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
+  double share = 1, off_x = 0, off_y = 0;  // of the cells that count, and their middle from the point
+  if (std::any_of(cells.begin(), cells.end(), [&](const auto* cell) { return isOtherFace(*cell, nx, ny); })) {
+    for (size_t k = 0; k < 4; ++k)
+      if (isOtherFace(*cells[k], nx, ny)) weight[k] = 0;
+    share = weight[0] + weight[1] + weight[2] + weight[3];
+    if (share < kLeastOwn) return false;
+    off_x = (weight[1] + weight[3]) / share - a, off_y = (weight[2] + weight[3]) / share - b;
+  }
   double sx = 0, sy = 0, squares = 0;
   for (size_t k = 0; k < 4; ++k) {
     const double fx = cells[k]->shift_x, fy = cells[k]->shift_y;
     sx += weight[k] * fx, sy += weight[k] * fy, squares += weight[k] * (fx * fx + fy * fy);
   }
-  constexpr double kUnit = 1 / FieldCell::kShiftsPerCell;
-  field.x = sx * kUnit, field.y = sy * kUnit;
+  const double unit = 1 / (FieldCell::kShiftsPerCell * share);
+  const double from_middle_x = sx * unit, from_middle_y = sy * unit;
+  const double length2 = from_middle_x * from_middle_x + from_middle_y * from_middle_y;
+  field.x = off_x + from_middle_x, field.y = off_y + from_middle_y;
   // Between two surfaces the vectors cancel. About one wall they disagree by half a cell at most in each
   // direction.
-  const double length2 = field.x * field.x + field.y * field.y;
-  field.squared = length2 + std::max(0.0, squares * kUnit * kUnit - length2 - 0.5);
+  field.squared =
+      field.x * field.x + field.y * field.y + std::max(0.0, squares * unit * unit * share - length2 - 0.5);
   return true;
 }
 
@@ -73,12 +92,12 @@ System accumulate(const std::vector<SurfacePoint>& points, const gridmap::Grid& 
          squares = 0, robust = 0;
   for (const SurfacePoint& point : points) {
     const double rx = c * point.p.x - s * point.p.y, ry = s * point.p.x + c * point.p.y;
+    const double nx = c * point.n.x - s * point.n.y, ny = s * point.n.x + c * point.n.y;
     FieldVector field;
-    if (!fieldAt(grid, (T.x + rx) * per_cell, (T.y + ry) * per_cell, field)) {
+    if (!fieldAt(grid, (T.x + rx) * per_cell, (T.y + ry) * per_cell, nx, ny, field)) {
       robust += kernel2;
       continue;
     }
-    const double nx = c * point.n.x - s * point.n.y, ny = s * point.n.x + c * point.n.y;
     const double squared = squaredError(field, nx, ny) * cell * cell;
     const double root = kernel2 / (kernel2 + squared);
     double w = root * root;
@@ -141,7 +160,7 @@ bool goesThroughWall(const gridmap::Grid& grid, const core::Point2& from, const 
   const auto isClear = [&](double along_m) {
     const auto cell = cellAt(grid, at(along_m));
     if (!cell || !cell->nearSurface()) return true;
-    const double cells = core::hypot(cell->to_x, cell->to_y);
+    const double cells = core::hypot(cell->toX(), cell->toY());
     return cells * step_m > kClear_m / 2;
   };
   for (double along_m = kClear_m; along_m + kClear_m < length_m; along_m += step_m) {
@@ -193,13 +212,13 @@ double fieldScore(const std::vector<SurfacePoint>& points, const gridmap::Grid& 
   int count = 0;
   for (size_t i = 0; i < points.size(); i += static_cast<size_t>(stride)) {
     ++count;
-    const core::Point2& p = points[i].p;
+    const core::Point2 &p = points[i].p, &n = points[i].n;
+    const double nx = c * n.x - s * n.y, ny = s * n.x + c * n.y;
     FieldVector field;
     if (!fieldAt(grid, (T_map_robot.x + c * p.x - s * p.y) * per_cell,
-                 (T_map_robot.y + s * p.x + c * p.y) * per_cell, field))
+                 (T_map_robot.y + s * p.x + c * p.y) * per_cell, nx, ny, field))
       continue;
-    const core::Point2& n = points[i].n;
-    const double root = kernel2 / (kernel2 + squaredError(field, c * n.x - s * n.y, s * n.x + c * n.y));
+    const double root = kernel2 / (kernel2 + squaredError(field, nx, ny));
     sum += root * root;
   }
   return count ? sum / count : 0;
@@ -208,13 +227,17 @@ double fieldScore(const std::vector<SurfacePoint>& points, const gridmap::Grid& 
 double fieldTold(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
                  const core::Pose2& T_map_robot, int stride) {
   const core::RigidMotion2 T(T_map_robot);
+  const auto [s, c] = core::sinCos(T_map_robot.phi);
   const core::Point2 robot = core::position(T_map_robot);
   int told = 0, count = 0;
   for (size_t i = 0; i < points.size(); i += static_cast<size_t>(stride)) {
     ++count;
     const core::Point2 p = T * points[i].p;
     const auto cell = cellAt(grid, p);
-    told += (cell && (cell->seen() || cell->nearSurface())) || goesThroughWall(grid, robot, p);
+    const core::Point2& n = points[i].n;
+    const bool is_near =
+        cell && cell->nearSurface() && !isOtherFace(*cell, c * n.x - s * n.y, s * n.x + c * n.y);
+    told += is_near || (cell && cell->seen()) || goesThroughWall(grid, robot, p);
   }
   return count ? static_cast<double>(told) / count : 0;
 }

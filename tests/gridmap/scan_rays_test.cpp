@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace slam::gridmap {
 namespace {
 
@@ -43,6 +45,24 @@ TEST(ScanRays, FarReturnsAndNoReturnsClearAndMarkNothing) {
   EXPECT_FALSE(rays[2].hit);
   EXPECT_NEAR(rays[2].end.y, -10, 1e-12);
   EXPECT_EQ(scanRays(fourBeams(), {10, false}).rays.size(), 2U);
+}
+
+TEST(ScanRays, NormalsPointFromTheSurfaceToTheLidar) {
+  lidar::Scan scan;
+  scan.first_angle_rad = 0.6, scan.step_rad = 0.02, scan.max_range_m = 20;
+  scan.T_robot_lidar = {0.5, 0, 0};
+  for (size_t i = 0; i < 5; ++i) scan.ranges_m.push_back(static_cast<float>(2 / std::cos(scan.angle(i))));
+  const auto angleOf = [](const core::Point2& p) { return std::atan2(p.y, p.x); };
+  const auto rays = scanRays(scan, {}).rays;
+  for (size_t i = 1; i < 4; ++i) EXPECT_NEAR(std::abs(angleOf(rays[i].normal)), core::kPi, 1e-5) << i;
+  for (const size_t i : {0, 4})
+    EXPECT_NEAR(core::angleDifference(angleOf(rays[i].normal), scan.angle(i) + core::kPi), 0, 1e-5) << i;
+
+  scan.ranges_m[3] = 9;  // another surface
+  EXPECT_NEAR(core::angleDifference(angleOf(scanRays(scan, {}).rays[2].normal), scan.angle(2) + core::kPi), 0,
+              1e-5);
+  scan.ranges_m[3] = lidar::kNoReturn;
+  EXPECT_EQ(scanRays(scan, {}).rays[3].normal.x, 0);
 }
 
 }  // namespace

@@ -193,6 +193,48 @@ TEST(FieldMatcher, TheScoreIsBestAtTheTruth) {
     EXPECT_LT(fieldScore(points, grid, off, 0.1, 1), best - 0.05);
 }
 
+/// Two rooms on either side of a wall of 10 cm, that on the right to its other wall 5.9 m behind.
+std::vector<Wall> twoRooms() {
+  std::vector<Wall> walls;
+  for (const auto& [left, right] : {std::pair{-3.0, 3.0}, {3.1, 9.0}})
+    for (const Wall& wall : {Wall{{left, -2}, {right, -2}},
+                             {{right, -2}, {right, 2}},
+                             {{right, 2}, {left, 2}},
+                             {{left, 2}, {left, -2}}})
+      walls.push_back(wall);
+  return walls;
+}
+
+// Of the right room the map knows nothing but its wall to the left one, from there.
+TEST(FieldMatcher, AThinWallSeenFromBehindDoesNotPullTheMatch) {
+  const auto walls = twoRooms();
+  const core::Pose2 T_left{0, 0.3, 0.2}, T_right{5, -0.2, core::kPi - 0.3};
+  auto grid = gridOf(walls, {T_left});
+  const auto points = surfacePoints(scanOf(walls, T_right), kPoints);
+  PosePrior prior{T_right, Eigen::Vector3d(1e4, 1e4, 1e5).asDiagonal()};
+  const auto alone = alignToField(points, grid, T_right, prior, {});
+  EXPECT_NEAR(alone.T_map_robot.x, T_right.x, 0.01);
+  EXPECT_LT(alone.score, 0.05);
+  EXPECT_LT(fieldScore(points, grid, T_right, 0.1, 1), 0.05);
+
+  grid.insert(gridmap::scanRays(scanOf(walls, T_right), {}), T_right);
+  for (const core::Pose2& T : {T_left, T_right}) {
+    const auto match = alignToField(surfacePoints(scanOf(walls, T), kPoints), grid,
+                                    {T.x + 0.06, T.y - 0.05, T.phi + 0.03}, {}, {});
+    EXPECT_LT(core::distance(match.T_map_robot, T), 0.012);
+    EXPECT_GT(match.score, 0.9);
+  }
+}
+
+TEST(FieldTold, NothingByTheOtherFaceOfAWall) {
+  const gridmap::Grid grid = gridOf({{{3, -6}, {3, 6}}}, {{0, 0, 0}});
+  SurfacePoint point{{-2.15, 0}, {1, 0}};
+  const core::Pose2 T{5.35, 0.05, 0};
+  EXPECT_EQ(fieldTold({point}, grid, T, 1), 0);
+  point.n = {};
+  EXPECT_EQ(fieldTold({point}, grid, T, 1), 1);
+}
+
 TEST(FieldTold, IsWhatLiesOnSurfacesInSightOrBehindThem) {
   // From the origin ahead to a wall 3 m away, which ends 1 m to the left.
   const std::vector<Wall> wall = {{{3, -6}, {3, 1}}};
