@@ -1,6 +1,7 @@
 #include "libslam/particles/motion.h"
 
 #include "libslam/core/elementary.h"
+#include "libslam/scanmatch/information.h"
 
 namespace slam::particles {
 
@@ -12,6 +13,15 @@ Motion operator*(const Motion& first, const Motion& second) {
   by_second << c, -s, 0, s, c, 0, 0, 0, 1;
   return {first.T_previous_robot * step, by_first * first.covariance * by_first.transpose() +
                                              by_second * second.covariance * by_second.transpose()};
+}
+
+Eigen::Matrix3d unknownCovariance() {
+  constexpr double kUnknownSigma = 0.5;
+  return kUnknownSigma * kUnknownSigma * Eigen::Matrix3d::Identity();
+}
+
+Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double phi_rad) {
+  return scanmatch::turned(matrix, -phi_rad);
 }
 
 }  // namespace slam::particles

@@ -22,51 +22,9 @@ using scanmatch::SurfacePoint;
 
 namespace {
 
-/// A start has to beat the odometry's by this before it is taken.
-constexpr double kStartMargin = 0.02;
-/// Every n-th point is enough to compare starts.
-constexpr int kStartStride = 3;
 constexpr std::uint64_t kCountEvery = 32;
-constexpr int kWideIterations = 4, kGuideIterations = 8;
-/// Spread of a motion that nobody measured (0.5 m, 0.5 rad), or that is distrusted.
-constexpr double kUnknownSigma = 0.5;
-/// Of odometry, how far a scan that nothing explains is looked for; steps within the maps' reach, and bounds.
-constexpr double kSearchSigmas = 3, kSearchStep_m = 0.3, kSearchLeast_m = 0.3, kSearchMost_m = 1.2,
-                 kSearchStep_rad = 0.06, kSearchLeast_rad = 0.18, kSearchMost_rad = 0.6;
-/// A map that says less of a scan cannot say that it lies elsewhere.
-constexpr double kLeastTold = 0.2;
 /// No lidar of a robot sees farther, and a reading in error must not fill the memory.
 constexpr double kFarthest_m = 100;
-constexpr double kDistrustFactor = 3, kDistrustSigma_m = 0.1, kDistrustSigma_rad = 0.05;
-
-/// Where a scan that nothing explains is looked for: all over what odometry allows for, in steps from which
-/// matching finds home.
-std::vector<core::Pose2> startsAround(const core::Pose2& T, const Eigen::Matrix3d& covariance) {
-  const auto steps = [](double sigma, double step, double least, double most) {
-    return static_cast<int>(std::lround(std::clamp(kSearchSigmas * sigma, least, most) / step));
-  };
-  const double sigma_m = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
-  const int far = steps(sigma_m, kSearchStep_m, kSearchLeast_m, kSearchMost_m);
-  const int turns = steps(std::sqrt(covariance(2, 2)), kSearchStep_rad, kSearchLeast_rad, kSearchMost_rad);
-  std::vector<core::Pose2> starts;
-  for (int turn = -turns; turn <= turns; ++turn)
-    for (int x = -far; x <= far; ++x)
-      for (int y = -far; y <= far; ++y)
-        starts.push_back({T.x + x * kSearchStep_m, T.y + y * kSearchStep_m, T.phi + turn * kSearchStep_rad});
-  return starts;
-}
-
-/// Of an increment's covariance, in the frame that its mean lives in.
-Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double phi) {
-  const auto [s, c] = core::sinCos(phi);
-  Eigen::Matrix3d R;
-  R << c, -s, 0, s, c, 0, 0, 0, 1;
-  return R * matrix * R.transpose();
-}
-
-Eigen::Matrix3d unknownCovariance() {
-  return kUnknownSigma * kUnknownSigma * Eigen::Matrix3d::Identity();
-}
 
 core::Pose2 moved(const core::Pose2& T, const Eigen::Vector3d& by) {
   return {T.x + by.x(), T.y + by.y(), core::wrapToPi(T.phi + by.z())};
@@ -109,59 +67,6 @@ void ParticleFilter::start(const core::Pose2& T_map_robot,
   step_.T_map_robot = T_map_robot;
   map_is_known_ = !known.empty();
   beginPast(options_.loops && !map_is_known_);
-}
-
-ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& points,
-                                               const std::optional<Motion>& motion) {
-  const Particle& best = particles_[best_];
-  const core::Pose2 T_before = best.T_raster_robot;
-  Guidance guidance;
-  guidance.expected = motion ? motion->T_previous_robot : velocity_;
-  Eigen::Matrix3d covariance = motion ? motion->covariance : unknownCovariance();
-
-  const core::Pose2 predicted = T_before * guidance.expected;
-  const auto score = [&](const core::Pose2& T) {
-    return scanmatch::fieldScore(points, best.grid, T, options_.wide_kernel_m, kStartStride);
-  };
-  const core::Pose2& step = guidance.expected;
-  std::vector<core::Pose2> others = {T_before * velocity_, T_before * core::inverse(step)};
-  for (const double turn_rad : {-0.15, -0.07, 0.07, 0.15})
-    others.push_back({predicted.x, predicted.y, predicted.phi + turn_rad});
-  const double predicted_score = score(predicted);
-  core::Pose2 start = predicted;
-  double start_score = predicted_score + kStartMargin;
-  for (const core::Pose2& other : others)
-    if (const double other_score = score(other); other_score > start_score)
-      start = other, start_score = other_score;
-  // Some robots count backwards motion forwards, and turns as they are.
-  const core::Pose2 backwards = T_before * core::Pose2{-step.x, -step.y, step.phi};
-  if (const double other_score = score(backwards);
-      other_score >
-      start_score + way_sign_.against() / (options_.information_scale * static_cast<double>(points.size())))
-    start = backwards, start_score = other_score;
-  if (std::max(predicted_score, start_score - kStartMargin) < options_.insert_score)
-    for (const core::Pose2& other : startsAround(predicted, covariance))
-      if (const double other_score = score(other); other_score > start_score)
-        start = other, start_score = other_score;
-  if (motion && start_score > predicted_score + options_.distrust_score) {
-    step_.odometry_distrusted = true;
-    note(core::JournalEvent::kDistrusted, start_score - predicted_score);
-    guidance.expected = core::between(T_before, start);
-    covariance *= 2 * kDistrustFactor * kDistrustFactor;
-    covariance.diagonal() +=
-        2 * Eigen::Vector3d(kDistrustSigma_m * kDistrustSigma_m, kDistrustSigma_m * kDistrustSigma_m,
-                            kDistrustSigma_rad * kDistrustSigma_rad);
-  }
-  guidance.information = covariance.inverse();
-
-  const PosePrior prior{T_before * guidance.expected, rotated(guidance.information, T_before.phi)};
-  FieldMatchOptions wide = match_options_, fine = match_options_;
-  wide.kernel_m = options_.wide_kernel_m, wide.max_iterations = kWideIterations;
-  fine.max_iterations = kGuideIterations;
-  const FieldMatch rough = scanmatch::alignToField(points, best.grid, start, prior, wide);
-  guidance.match = scanmatch::alignToField(points, best.grid, rough.T_map_robot, prior, fine);
-  guidance.moved = core::between(T_before, guidance.match.T_map_robot);
-  return guidance;
 }
 
 void ParticleFilter::matchAll(const std::vector<SurfacePoint>& points, const Guidance& guidance) {
@@ -251,17 +156,6 @@ void ParticleFilter::reachFarther(const lidar::Scan& scan) {
   options_.rays.max_range_m =
       std::max(options_.rays.max_range_m, std::min(kFarthest_m, std::ceil(static_cast<double>(*quartile))));
   point_options_.max_range_m = std::max(point_options_.max_range_m, options_.rays.max_range_m);
-}
-
-/// Of what the best particle's map says anything of, the share that it explains: ground that is new speaks
-/// against no pose. Where nearly all is new, odometry is as good as it was.
-double ParticleFilter::explained(const std::vector<SurfacePoint>& points, const Guidance& guidance,
-                                 bool has_motion) const {
-  if (guidance.match.score >= options_.insert_score) return guidance.match.score;
-  const double told =
-      scanmatch::fieldTold(points, particles_[best_].grid, guidance.match.T_map_robot, kStartStride);
-  if (told >= kLeastTold) return std::min(guidance.match.score / told, 1.0);
-  return has_motion && !lost_ && !points.empty() ? 1 : guidance.match.score;
 }
 
 void ParticleFilter::findPlace(const std::vector<SurfacePoint>& points, const std::optional<Motion>& motion) {

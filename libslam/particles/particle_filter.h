@@ -84,7 +84,7 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 /// - One particle, the best, looks where the motion leads: at the odometry's word, the motion before, the
 ///   odometry reversed, and turned by some degrees; and all around, when none of these explains the scan. The
 ///   others start from its motion. Odometry that is clearly worse than another start is distrusted at that
-///   scan.
+///   scan; its turn alone, where another turn explains as much.
 ///
 /// - The number of particles is fixed, or chosen at every resampling such that the Kullback-Leibler distance
 ///   to what they stand for stays below a bound (Fox, IJRR 22(12), 2003; bins over the pose at this scan).
@@ -192,14 +192,16 @@ class ParticleFilter {
     scanmatch::FieldMatch match;
   };
   static core::Pose2 mapFromRaster() { return {0, 0, -kRasterTurn_rad}; }
+  /// A pose of the best particle, raster frame, and the share of the scan that its map explains there.
+  struct Start {
+    core::Pose2 T_raster_robot;
+    double score;
+  };
   std::optional<Motion> believed(std::optional<Motion> motion, double time_s);
   void learnWheels(const std::optional<Motion>& motion, const core::Pose2& T_before);
   bool drawsOn();
   void reachFarther(const lidar::Scan& scan);
-  double explained(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance,
-                   bool has_motion) const;
   void findPlace(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
-  Guidance guide(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   void matchAll(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance);
   void moveAll(const std::optional<Motion>& motion);
   void drawPose(size_t particle);
@@ -210,6 +212,17 @@ class ParticleFilter {
   void note(core::JournalEvent event, double value, const std::string& detail = "");
   void findBest();
   void estimateCovariance();
+  // guide.cpp: where the best particle goes
+  double explainedAt(const core::Pose2& T, const std::vector<scanmatch::SurfacePoint>& points) const;
+  double explainedOfTold(const Start& at, const std::vector<scanmatch::SurfacePoint>& points) const;
+  Start bestStart(const Start& predicted, const Motion& expected,
+                  const std::vector<scanmatch::SurfacePoint>& points) const;
+  Start bestTurn(const Start& predicted, const std::vector<scanmatch::SurfacePoint>& points) const;
+  void judgeOdometry(const Start& predicted, const std::vector<scanmatch::SurfacePoint>& points, Start& start,
+                     Motion& expected);
+  Guidance guide(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
+  double explained(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance,
+                   bool has_motion) const;
   // loops.cpp: the past that all particles share since the last loop
   void beginPast(bool closes_loops);
   void keepKeyframe(const std::vector<lidar::Scan>& seen, bool is_matched);
