@@ -22,6 +22,7 @@ import subprocess
 import tempfile
 
 WORLDS = "corridor,flat,maze,office_loop,pillar_hall"
+GOALS = {"90": 1.15, "99": 1.25}
 STRATEGIES = "nearest_frontier,information_gain,next_best_view"
 
 
@@ -95,6 +96,13 @@ def report(rows, strategies, out):
                      if row["strategy"] == strategy]
             wins, losses = sum(a < b for a, b in pairs), sum(a > b for a, b in pairs)
             print(f"  {strategy:18} {wins} of {wins + losses}, p = {sign_test(wins, losses):.3g} (sign test)", file=out)
+        print(f"\nOf all runs, to {share} %: median (quartiles), nine of ten, largest; at most {GOALS[share]}, never\n", file=out)
+        for strategy in strategies:
+            values = sorted(number(row[f"ratio{share}"]) for row in rows if row["strategy"] == strategy)
+            quarter, half, rest, most = (values[math.ceil(q * len(values)) - 1] for q in (0.25, 0.5, 0.75, 0.9))
+            print(f"  {strategy:18} {text(half):>6} ({text(quarter)}, {text(rest)}) {text(most):>6} {text(values[-1]):>6}  "
+                  f"{100 * sum(v <= GOALS[share] for v in values) / len(values):3.0f} % "
+                  f"{100 * sum(math.isinf(v) for v in values) / len(values):3.0f} %", file=out)
     collisions = sum(number(row["collisions"]) for row in rows)
     print(f"\n{len(rows)} runs, {collisions:.0f} collisions", file=out)
 

@@ -193,6 +193,22 @@ TEST(FieldMatcher, TheScoreIsBestAtTheTruth) {
     EXPECT_LT(fieldScore(points, grid, off, 0.1, 1), best - 0.05);
 }
 
+// The vectors to the two cancel half way between them.
+TEST(FieldMatcher, BetweenTwoSurfacesIsOnNeither) {
+  gridmap::GridOptions options;
+  options.cell_m = 0.1;
+  gridmap::Grid grid(options);
+  gridmap::ScanRays seen;
+  for (int i = -4; i <= 4; ++i)
+    for (const double x : {1.05, 1.35}) seen.rays.push_back({{x, 0.1 * i + 0.05}, true, {}});
+  grid.insert(seen, {});
+  SurfacePoint point;
+  point.p = {1.2, 0.05};
+  EXPECT_LT(fieldScore({point}, grid, {}, 0.05, 1), 0.2);
+  point.p.x = 1.35;
+  EXPECT_GT(fieldScore({point}, grid, {}, 0.05, 1), 0.9);
+}
+
 /// Two rooms on either side of a wall of 10 cm, that on the right to its other wall 5.9 m behind.
 std::vector<Wall> twoRooms() {
   std::vector<Wall> walls;
