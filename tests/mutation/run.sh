@@ -34,6 +34,10 @@ prepare() {
   # Changed files only, so that what was built stays.
   files() { (cd "$root" && git ls-files -co --exclude-standard | while IFS= read -r file; do [ -e "$file" ] && echo "$file"; done | sort); }
   files | tar c -C "$root" -T - | tar x --keep-newer-files -C "$work/tree" 2> /dev/null
+  # A run that was ended left its bug in.
+  sed -n 's/^\([^# ]*\) @ .*/libslam\/\1/p' "$list" | sort -u | while IFS= read -r file; do
+    cmp -s "$root/$file" "$work/tree/$file" || cp "$root/$file" "$work/tree/$file"
+  done
   (cd "$work/tree" && find . -path ./build -prune -o -type f -printf '%P\n' | sort | comm -23 - <(files) | xargs -r -d '\n' rm -f)
   build=$work/tree/build/release  # where the presets build, so that a compiler cache knows what it has compiled
   cmake -S "$work/tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DRASTERSLAM_WERROR=OFF > "$work/configure.txt" 2>&1 || { cat "$work/configure.txt"; exit 2; }
