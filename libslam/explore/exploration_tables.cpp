@@ -13,7 +13,7 @@ using core::kInfinity;
 using core::kNaN;
 
 /// A figure of the tables: how it is taken from a run, and how it is shown.
-struct Figure {
+struct TableFigure {
   table::Column column;
   double (*of)(const Exploration&);
   bool for_people;         ///< in the printed table too
@@ -21,9 +21,9 @@ struct Figure {
   bool of_oracle = false;  ///< in the printed table when the oracle was asked
 };
 
-const std::vector<Figure>& figures() {
+const std::vector<TableFigure>& figures() {
   using E = const Exploration&;
-  static const std::vector<Figure> all = {
+  static const std::vector<TableFigure> all = {
       {{"coverage_percent", "explored %", 1}, [](E e) { return 100 * e.figures.coverage; }, true, false},
       {{"t90_s", "90 % s", 0}, [](E e) { return e.figures.t90_s; }, true, true},
       {{"t99_s", "99 % s", 0}, [](E e) { return e.figures.t99_s; }, true, true},
@@ -62,7 +62,7 @@ const std::vector<Figure>& figures() {
 }
 
 /// Quantile over the runs that have not failed; NaN when it falls on a run that never got there.
-double quantileOf(const Figure& figure, const StrategyRuns& runs, double share) {
+double quantileOf(const TableFigure& figure, const StrategyRuns& runs, double share) {
   std::vector<double> values;
   for (const Exploration* e : runs) {
     if (e->end == ExplorationEnd::kFailed) continue;
@@ -163,7 +163,7 @@ table::Table statisticsTable(const std::vector<StrategyRuns>& groups, const std:
 
 table::Table scoresTable(const std::vector<StrategyRuns>& groups, const std::string& caption,
                          bool with_oracle) {
-  const auto isShown = [&](const Figure& figure) {
+  const auto isShown = [&](const TableFigure& figure) {
     return figure.for_people || (figure.of_oracle && with_oracle);
   };
   table::Table table;

@@ -20,7 +20,7 @@ namespace {
 const std::vector<std::string> kAxes = {"world", "robot", "lidar", "odometry", "strategy", "fault"};
 
 /// A figure and its interval as the tables of a sweep hold them.
-struct Figure {
+struct FigureWithInterval {
   double value, low, high;
 };
 
@@ -34,7 +34,7 @@ class Rows {
   double number(std::size_t row, const std::string& key) const {
     return table::numberOf(table_.rows[row][table::columnOf(table_, key, path_)]);
   }
-  Figure figure(std::size_t row, const std::string& key) const {
+  FigureWithInterval figure(std::size_t row, const std::string& key) const {
     return {number(row, key), number(row, key + "_low"), number(row, key + "_high")};
   }
 
@@ -44,7 +44,7 @@ class Rows {
 };
 
 /// "0.021 [0.013, 0.025]"
-std::string shownFigure(const Figure& figure, int decimals) {
+std::string shownFigure(const FigureWithInterval& figure, int decimals) {
   if (std::isnan(figure.value)) return "failed";
   std::string text = table::fixed(figure.value, decimals);
   const auto end = [&](double value) { return std::isfinite(value) ? table::fixed(value, decimals) : "-"; };
@@ -201,7 +201,7 @@ void addCurves(const Rows& rows, const std::string& key, const std::vector<std::
     if (const auto text = break_texts.find(method); text != break_texts.end()) curve.note = text->second;
     for (std::size_t i = 0; i < rows.count(); ++i) {
       if (rows.text(i, "method") != method) continue;
-      const Figure figure = rows.figure(i, key);
+      const FigureWithInterval figure = rows.figure(i, key);
       curve.points.push_back({rows.number(i, "value"), figure.value});
       curve.low.push_back(figure.low);
       curve.high.push_back(figure.high);

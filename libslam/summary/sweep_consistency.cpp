@@ -14,15 +14,16 @@
 namespace slam::summary {
 namespace {
 
-struct Figure {
+/// A figure of a run by its key, from 0 to `highest`.
+struct BoundedFigure {
   const char* key;
   double highest;
 };
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-constexpr Figure kFigures[] = {{"anees", kUnbounded},        {"within_50_share", 1},
-                               {"within_95_share", 1},       {"singular_share", 1},
-                               {"anees_final", kUnbounded},  {"within_50_share_final", 1},
-                               {"within_95_share_final", 1}, {"singular_share_final", 1}};
+constexpr BoundedFigure kFigures[] = {{"anees", kUnbounded},        {"within_50_share", 1},
+                                      {"within_95_share", 1},       {"singular_share", 1},
+                                      {"anees_final", kUnbounded},  {"within_50_share_final", 1},
+                                      {"within_95_share_final", 1}, {"singular_share_final", 1}};
 constexpr std::size_t kOnline = 0, kFinal = 4;  // where ANEES stands
 constexpr std::size_t kToSingular = 3;          // from ANEES on
 
@@ -30,7 +31,7 @@ constexpr std::size_t kToSingular = 3;          // from ANEES on
 std::pair<stats::Estimate, std::size_t> meanOf(const SweepResults& results,
                                                const std::vector<std::size_t>& runs,
                                                const std::vector<std::size_t>& settings,
-                                               const Figure& figure) {
+                                               const BoundedFigure& figure) {
   std::vector<double> values;
   stats::MeanOptions options;
   options.lowest = 0;
