@@ -185,7 +185,7 @@ int plotPlans(const Context& context, const std::vector<std::string>& plans, con
     pictures::Panel panel;
     panel.map = world::loadPlan(resources::resolvePlan(name));
     panel.T_world_map =
-        core::inverse(panel.map.T_world_plan);  // beside one another, each from its own corner
+        core::inverse(panel.map.T_frame_raster);  // beside one another, each from its own corner
     panel.title = panel.map.name;
     panel.is_true = true;
     char size[64];

@@ -100,7 +100,7 @@ int plotOperations(const Context& context, const OperationsArguments& given, con
   paths.push_back({replayed, "operations replayed", false});
   pictures::DrawnMarks dots{{}, "returns after moves: the naive map", true};
   if (!arguments.log.empty()) dots.places = naiveDots(arguments.log, operations, replayed);
-  pictures::drawPlan(plan, paths, "Dead reckoning of " + arguments.file, path, dots, paper);
+  pictures::drawMap(plan, paths, "Dead reckoning of " + arguments.file, path, dots, paper);
   char line[160];
   std::snprintf(line, sizeof line, "%zu operations, path %.2f m, end at x %.2f m, y %.2f m, yaw %.1f deg\n  ",
                 operations.size(), length_m, end.x, end.y, core::radToDeg(end.phi));

@@ -74,8 +74,8 @@ int plotMap(const Context& context, const PlotResultsArguments& arguments) {
   const auto panels = pages::mapPanels(page, arguments.inputs.front());
   if (panels.size() == 1) {
     auto map = panels.front().map;
-    map.T_world_plan = panels.front().T_world_map * map.T_world_plan;
-    pictures::drawPlan(map, panels.front().paths, arguments.title, file, {}, paper);
+    map.T_frame_raster = panels.front().T_world_map * map.T_frame_raster;
+    pictures::drawMap(map, panels.front().paths, arguments.title, file, {}, paper);
   } else {
     pictures::drawPanels(panels, file, paper);
   }
@@ -95,7 +95,7 @@ int plotPaths(const Context& context, const PlotResultsArguments& arguments) {
   const auto panels = pages::pathPanels(page);
   constexpr std::size_t kMostPanels = 8;
   if (arguments.is_overlaid || panels.size() < 2 || panels.size() > kMostPanels)
-    pictures::drawPlan(plan, paths, arguments.title, file, {}, paper);
+    pictures::drawMap(plan, paths, arguments.title, file, {}, paper);
   else
     pictures::drawPanels(panels, file, paper);
   auto list = nlohmann::ordered_json::array();

@@ -71,7 +71,7 @@ int makeWorld(const Context& context, const WorldMakeArguments& arguments) {
   plan.name = std::filesystem::path(path).stem().string();
   world::savePlan(plan, path);
   if (!arguments.preview.empty())
-    pictures::drawPlan(plan, {}, plan.name + ", seed " + std::to_string(context.seed), arguments.preview);
+    pictures::drawMap(plan, {}, plan.name + ", seed " + std::to_string(context.seed), arguments.preview);
   const auto isMissing = [](const std::string& file) { return !std::filesystem::exists(file); };
   files.erase(std::remove_if(files.begin(), files.end(), isMissing), files.end());  // no glass after all
   size_t free = 0, glass = 0;

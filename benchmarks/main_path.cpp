@@ -67,7 +67,7 @@ void castMrpt(benchmark::State& state) {
   size_t i = 0;
   for (auto _ : state) {
     const auto& pose = poses()[i++ % poses().size()];
-    const auto local = core::between(plan().T_world_plan, pose);
+    const auto local = core::between(plan().T_frame_raster, pose);
     grid.laserScanSimulator(scan, {local.x, local.y, local.phi}, 0.5F, kBeams, 0);
     benchmark::DoNotOptimize(scan.getScanRange(0));
   }

@@ -50,7 +50,7 @@ std::vector<core::Pose2> freePoses(const world::Plan& plan, int count, const std
   std::vector<core::Pose2> poses;
   while (static_cast<int>(poses.size()) < count) {
     const core::Point2 cell{random.uniform(0, plan.columns), random.uniform(0, plan.rows)};
-    const core::Point2 p = world::cellsToWorld(plan, cell);
+    const core::Point2 p = world::cellsToPoint(plan, cell);
     const auto at = plan.at(static_cast<int>(cell.x), static_cast<int>(cell.y));
     if (at == world::Cell::kFree && !world::discCollides(plan, p, 0.1))
       poses.push_back({p.x, p.y, random.uniform(-core::kPi, core::kPi)});
@@ -73,7 +73,7 @@ class MrptEngine {
     scan_.maxRange = float(2 * std::hypot(plan.columns, plan.rows) * plan.resolution_m);
   }
   const mrpt::obs::CObservation2DRangeScan& cast(const core::Pose2& pose) {
-    const core::Pose2 local = core::between(plan_.T_world_plan, pose);
+    const core::Pose2 local = core::between(plan_.T_frame_raster, pose);
     grid_.laserScanSimulator(scan_, {local.x, local.y, local.phi}, 0.5F, kBeams, 0);
     return scan_;
   }

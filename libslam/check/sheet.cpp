@@ -38,7 +38,7 @@ int Sheet::paint(const cv::Mat& where, world::Cell cell, Change change) {
 
 FindingPlace Sheet::place(const cv::Point& pixel) const {
   const core::Point2 p_plan{(pixel.x + 0.5) * resolution_m, (cells.rows - pixel.y - 0.5) * resolution_m};
-  return {pixel.x, pixel.y, reading.T_world_plan * p_plan};
+  return {pixel.x, pixel.y, reading.T_frame_raster * p_plan};
 }
 
 bool Sheet::isAskedFor(const std::string& key) const {

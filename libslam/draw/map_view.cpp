@@ -14,7 +14,7 @@ constexpr double kLine = 28;  // pitch of the legend's lines
 constexpr double kSample = 34, kGapAfterSample = 9, kGapAfterEntry = 28, kGapBeforeBar = 8;
 constexpr double kMostOfScaleBar = 0.18;  // of the strip's width
 
-Window windowWhere(const world::Plan& raster, const core::Pose2& T_world_raster, world::Cell wanted) {
+Window windowWhere(const world::CellMap& raster, const core::Pose2& T_world_raster, world::Cell wanted) {
   Window window;
   for (int row = 0; row < raster.rows; ++row)
     for (int column = 0; column < raster.columns; ++column)
@@ -54,7 +54,7 @@ Window Window::cutTo(const Window& other) const {
   return {std::max(x0, other.x0), std::max(y0, other.y0), std::min(x1, other.x1), std::min(y1, other.y1)};
 }
 
-Window windowOf(const world::Plan& raster, const core::Pose2& T_world_raster) {
+Window windowOf(const world::CellMap& raster, const core::Pose2& T_world_raster) {
   const auto walls = windowWhere(raster, T_world_raster, world::Cell::kOccupied);
   return walls.isEmpty() ? windowWhere(raster, T_world_raster, world::Cell::kFree) : walls;
 }
@@ -111,7 +111,7 @@ core::Point2 MapView::toWorld(Pixel pixel) const {
           window.y0 + (box.top + box.height - pixel.y) / pixelsPerMetre()};
 }
 
-LabelRaster::LabelRaster(const world::Plan& raster, const core::Pose2& T_world_raster)
+LabelRaster::LabelRaster(const world::CellMap& raster, const core::Pose2& T_world_raster)
     : columns_(raster.columns),
       rows_(raster.rows),
       resolution_m_(raster.resolution_m),
@@ -139,7 +139,7 @@ unsigned char LabelRaster::at(const core::Point2& p_world, double side_m) const 
   return highest;
 }
 
-void drawRaster(Canvas& canvas, const MapView& view, const world::Plan& raster,
+void drawRaster(Canvas& canvas, const MapView& view, const world::CellMap& raster,
                 const core::Pose2& T_world_raster) {
   // Ranked: 2 a wall, 1 free, 0 unknown.
   const LabelRaster labels(raster, T_world_raster, [&raster](int column, int row) {

@@ -4,7 +4,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/draw/canvas.h"
-#include "libslam/world/plan.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::draw {
 
@@ -24,7 +24,7 @@ struct Window {
 };
 
 /// What of a raster is worth showing: the occupied cells, or the known ones where there is no wall.
-Window windowOf(const world::Plan& raster, const core::Pose2& T_world_raster);
+Window windowOf(const world::CellMap& raster, const core::Pose2& T_world_raster);
 Window windowOf(const core::Trajectory& path);
 
 /// Never empty and never thin, with a little air all round: a picture needs an area.
@@ -55,7 +55,7 @@ class LabelRaster {
   LabelRaster() = default;
   /// label_of(column, row) for every cell of a raster.
   template <class LabelOf>
-  LabelRaster(const world::Plan& raster, const core::Pose2& T_world_raster, LabelOf label_of)
+  LabelRaster(const world::CellMap& raster, const core::Pose2& T_world_raster, LabelOf label_of)
       : LabelRaster(raster, T_world_raster) {
     for (int row = 0; row < rows_; ++row)
       for (int column = 0; column < columns_; ++column) labels_.push_back(label_of(column, row));
@@ -66,7 +66,7 @@ class LabelRaster {
   unsigned char at(const core::Point2& p_world, double side_m) const;
 
  private:
-  LabelRaster(const world::Plan& raster, const core::Pose2& T_world_raster);
+  LabelRaster(const world::CellMap& raster, const core::Pose2& T_world_raster);
 
   int columns_ = 0, rows_ = 0;
   double resolution_m_ = 1;
@@ -79,7 +79,7 @@ inline constexpr Colour kInk{40, 40, 40}, kGrey{110, 110, 110}, kWall{38, 38, 38
     kUnknown{222, 222, 222}, kTruthPath{165, 165, 165}, kFrame{150, 150, 150};
 
 /// Walls dark, free white, unknown grey.
-void drawRaster(Canvas& canvas, const MapView& view, const world::Plan& raster,
+void drawRaster(Canvas& canvas, const MapView& view, const world::CellMap& raster,
                 const core::Pose2& T_world_raster);
 void drawPath(Canvas& canvas, const MapView& view, const core::Trajectory& path, Colour colour,
               double line_width);

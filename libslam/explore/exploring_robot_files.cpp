@@ -7,7 +7,7 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/pictures/picture.h"
 #include "libslam/results/manifest_entries.h"
-#include "libslam/results/map_plan.h"
+#include "libslam/results/map_cells.h"
 #include "libslam/results/scene_file.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
@@ -43,7 +43,7 @@ void ExploringRobot::score(Exploration& e) const {
   results::RunFolder run;
   run.method = method_.name;
   run.estimate = estimate_;
-  run.map = results::toPlan(raster);
+  run.map = results::toCellMap(raster);
   run.manifest.results["map_mean_entropy_bits"] = files::formatNumber(metrics::mapEntropy(raster.occupancy));
   score::Truth truth;
   truth.trajectory = truth_;
@@ -136,10 +136,10 @@ void ExploringRobot::drawPath(const Exploration& e) const {
                                            ? start_ * core::inverse(estimate_.front().pose)
                                            : e.evaluation.trajectory.T_truth_estimate;
   for (auto& stamped : believed) stamped.pose = T_truth_estimate * stamped.pose;
-  pictures::drawPlan(plan_,
-                     {{truth::brokenAtCarries(truth_, simulator_.carries()), "true path", true},
-                      {believed, "path as " + method_.name + " has it"}},
-                     plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
+  pictures::drawMap(plan_,
+                    {{truth::brokenAtCarries(truth_, simulator_.carries()), "true path", true},
+                     {believed, "path as " + method_.name + " has it"}},
+                    plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
 }
 
 void ExploringRobot::describeResults(const Exploration& e, bool has_map,

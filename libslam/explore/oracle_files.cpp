@@ -73,7 +73,7 @@ void writeOracle(const oracle::Oracle& oracle, const world::Plan& plan, const st
     std::snprintf(label, sizeof label, "known map to %.0f %%: %.1f m", 100 * tour->share, tour->length_m);
     if (!tour->path.empty()) paths.push_back({drawn(tour->path), label});
   }
-  pictures::drawPlan(plan, paths, plan.name + ": with the plan in hand", folder + "/oracle.png");
+  pictures::drawMap(plan, paths, plan.name + ": with the plan in hand", folder + "/oracle.png");
 }
 
 std::string oracleNote(const oracle::Oracle& oracle) {

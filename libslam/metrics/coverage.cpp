@@ -66,7 +66,7 @@ std::vector<unsigned char> reachableCells(const world::Plan& plan, const core::P
     const double x = static_cast<double>(cell % columns) + 0.5;
     const double y = static_cast<double>(its_row) + 0.5;
     return plan.cells[cell] != world::Cell::kOccupied &&
-           !world::discCollides(plan, world::cellsToWorld(plan, {x, y}), radius_m);
+           !world::discCollides(plan, world::cellsToPoint(plan, {x, y}), radius_m);
   });
   reachable[indexOf(plan, column, row)] = 1;  // where it stands it can look around
   return reachable;
@@ -124,7 +124,7 @@ ExplorableArea explorableArea(const world::Plan& plan, const core::Point2& start
   area.explorable.assign(plan.cells.size(), 0);
   const auto free = std::count(plan.cells.begin(), plan.cells.end(), world::Cell::kFree);
   area.share_of_free = free == 0 ? kNaN : 0;
-  const auto start = world::worldToCells(plan, start_world);
+  const auto start = world::pointToCells(plan, start_world);
   if (!isInside(plan, start)) return area;
   const size_t start_cell = indexOf(plan, static_cast<int>(start.x), static_cast<int>(start.y));
   if (plan.cells[start_cell] == world::Cell::kOccupied) return area;
@@ -159,7 +159,7 @@ Coverage::Coverage(const world::Plan& plan, ExplorableArea area)
 
 std::size_t Coverage::look(const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad,
                            int beams, double max_range_m) {
-  const auto origin = world::worldToCells(plan_, core::position(T_world_lidar));
+  const auto origin = world::pointToCells(plan_, core::position(T_world_lidar));
   if (!isInside(plan_, origin) || !std::isfinite(T_world_lidar.phi)) return 0;
   const size_t origin_cell = indexOf(plan_, static_cast<int>(origin.x), static_cast<int>(origin.y));
   if (plan_.cells[origin_cell] == world::Cell::kOccupied) return 0;
@@ -171,7 +171,7 @@ std::size_t Coverage::look(const core::Pose2& T_world_lidar, double first_angle_
   const double max_range_cells = rangeInCells(plan_, max_range_m);
   const size_t before = explored_;
   for (int beam = 0; beam < beams; ++beam) {
-    const double angle_rad = T_world_lidar.phi + first_angle_rad + beam * step_rad - plan_.T_world_plan.phi;
+    const double angle_rad = T_world_lidar.phi + first_angle_rad + beam * step_rad - plan_.T_frame_raster.phi;
     walkCells(plan_, origin, angle_rad, max_range_cells, [this](size_t cell) {
       if (seen_[cell] == 0 && plan_.cells[cell] != world::Cell::kUnknown) {
         seen_[cell] = plan_.cells[cell] == world::Cell::kOccupied ? kSeenWall : kSeenFree;

@@ -38,7 +38,7 @@ std::vector<unsigned char> groundOf(const world::Plan& plan, const SeenMask& see
   for (const auto& p : people) {
     if (p.x == last.x && p.y == last.y) continue;
     last = p;
-    markAround(plan, world::worldToCells(plan, p), kPersonReach_m, ground);
+    markAround(plan, world::pointToCells(plan, p), kPersonReach_m, ground);
   }
   for (int row = 0; row < plan.rows; ++row)
     for (int column = 0; column < plan.columns; ++column)
@@ -52,7 +52,7 @@ std::vector<unsigned char> groundOf(const world::Plan& plan, const SeenMask& see
 }  // namespace
 
 double ghostShare(const world::Plan& plan, const SeenMask& seen, const std::vector<core::Point2>& people,
-                  const world::Plan& map, const core::Pose2& T_world_map, double tolerance_m) {
+                  const world::CellMap& map, const core::Pose2& T_world_map, double tolerance_m) {
   if (seen.columns != plan.columns || seen.rows != plan.rows || seen.free.size() != plan.cells.size())
     throw core::ContractError("ghostShare: the mask is not the plan's");
   if (!(tolerance_m >= 0)) throw core::ContractError("ghostShare: tolerance_m must not be below 0");
@@ -62,7 +62,7 @@ double ghostShare(const world::Plan& plan, const SeenMask& seen, const std::vect
   size_t cells = 0, ghosts = 0;
   for (const unsigned char is_ground : ground) cells += is_ground;
   if (cells == 0) return kNaN;
-  const core::RigidMotion2 T_plan_map(core::between(plan.T_world_plan, T_world_map * map.T_world_plan));
+  const core::RigidMotion2 T_plan_map(core::between(plan.T_frame_raster, T_world_map * map.T_frame_raster));
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column) {
       if (map.at(column, row) != world::Cell::kOccupied) continue;

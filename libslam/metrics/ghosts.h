@@ -18,6 +18,6 @@ inline constexpr double kPersonReach_m = 0.35;
 /// REQUIRES a mask of the plan's size, tolerance_m >= 0 (ContractError). `map` and T_world_map as scoreMap()
 /// has them.
 double ghostShare(const world::Plan& plan, const SeenMask& seen, const std::vector<core::Point2>& people,
-                  const world::Plan& map, const core::Pose2& T_world_map, double tolerance_m);
+                  const world::CellMap& map, const core::Pose2& T_world_map, double tolerance_m);
 
 }  // namespace slam::metrics

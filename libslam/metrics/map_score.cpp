@@ -18,7 +18,7 @@ constexpr double kRounding_m = 1e-9;  // "within the tolerance" must not depend 
 
 /// A raster placed in the world: cell coordinates in cells, points in metres.
 struct Placed {
-  const world::Plan& raster;
+  const world::CellMap& raster;
   core::Pose2 T_world_raster;
 
   core::Point2 centre(int column, int row) const {
@@ -28,7 +28,7 @@ struct Placed {
 };
 
 /// The cell of `raster` at a point given in its own frame; unknown outside.
-world::Cell cellAt(const world::Plan& raster, const core::Point2& p_raster) {
+world::Cell cellAt(const world::CellMap& raster, const core::Point2& p_raster) {
   const double column = std::floor(p_raster.x / raster.resolution_m);
   const double row = std::floor(p_raster.y / raster.resolution_m);
   if (!(column >= 0 && row >= 0 && column < raster.columns && row < raster.rows))
@@ -82,7 +82,8 @@ struct CellRange {
 };
 
 /// The plan's raster extended, in its own cells and also below 0, to hold all that the map calls free.
-CellRange rangeOfBoth(const world::Plan& plan, const world::Plan& map, const core::RigidMotion2& T_plan_map) {
+CellRange rangeOfBoth(const world::Plan& plan, const world::CellMap& map,
+                      const core::RigidMotion2& T_plan_map) {
   double x0 = 0, y0 = 0, x1 = plan.columns - 1, y1 = plan.rows - 1;
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column) {
@@ -99,7 +100,7 @@ CellRange rangeOfBoth(const world::Plan& plan, const world::Plan& map, const cor
   return {static_cast<int>(x0), static_cast<int>(y0), static_cast<int>(x1), static_cast<int>(y1)};
 }
 
-double freeIntersectionOverUnion(const world::Plan& plan, const SeenMask& seen, const world::Plan& map,
+double freeIntersectionOverUnion(const world::Plan& plan, const SeenMask& seen, const world::CellMap& map,
                                  const core::Pose2& T_map_plan) {
   const auto range = rangeOfBoth(plan, map, core::RigidMotion2(core::inverse(T_map_plan)));
   const core::RigidMotion2 T_map_cells(T_map_plan);
@@ -123,7 +124,7 @@ double freeIntersectionOverUnion(const world::Plan& plan, const SeenMask& seen, 
   return shareOf(both, either);
 }
 
-double knownShare(const world::Plan& plan, const SeenMask& seen, const world::Plan& map,
+double knownShare(const world::Plan& plan, const SeenMask& seen, const world::CellMap& map,
                   const core::Pose2& T_map_plan) {
   const Placed plan_in_map{plan, T_map_plan};
   size_t known = 0;
@@ -139,7 +140,7 @@ double entropyBits(double p) {
 
 }  // namespace
 
-MapScore scoreMap(const world::Plan& plan, const SeenMask& seen, const world::Plan& map,
+MapScore scoreMap(const world::Plan& plan, const SeenMask& seen, const world::CellMap& map,
                   const core::Pose2& T_world_map, double tolerance_m) {
   if (seen.columns != plan.columns || seen.rows != plan.rows || seen.wall.size() != plan.cells.size() ||
       seen.free.size() != plan.cells.size())
@@ -147,8 +148,8 @@ MapScore scoreMap(const world::Plan& plan, const SeenMask& seen, const world::Pl
   if (!(tolerance_m >= 0)) throw core::ContractError("scoreMap: tolerance_m must not be below 0");
   if (!core::isFinite(T_world_map)) return {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
 
-  const Placed true_raster{plan, plan.T_world_plan};
-  const Placed map_raster{map, T_world_map * map.T_world_plan};
+  const Placed true_raster{plan, plan.T_frame_raster};
+  const Placed map_raster{map, T_world_map * map.T_frame_raster};
   const auto true_walls = centresWhere(true_raster, [&](size_t cell) { return seen.wall[cell]; });
   const auto map_walls =
       centresWhere(map_raster, [&](size_t cell) { return map.cells[cell] == world::Cell::kOccupied; });

@@ -38,11 +38,10 @@ struct SeenMask {
 SeenMask seenCells(const world::Plan& plan, const core::Trajectory& truth, const core::Pose2& T_robot_lidar,
                    double first_angle_rad, double step_rad, int beams, double max_range_m);
 
-/// `map` is the estimate as a Plan (occupied / free / unknown) in its own map frame (its T_world_plan is
-/// T_map_plan: where its raster lies in the map frame); T_world_map places it on the truth (the trajectory's
+/// `map` is the estimate, in its own map frame; T_world_map places it on the truth (the trajectory's
 /// alignment). Areas are counted by cell centres on the plan's raster, subdivided where the map's cells are
 /// finer. T_world_map not finite: all NaN. REQUIRES a mask of the plan's size, tolerance_m >= 0.
-MapScore scoreMap(const world::Plan& plan, const SeenMask& seen, const world::Plan& map,
+MapScore scoreMap(const world::Plan& plan, const SeenMask& seen, const world::CellMap& map,
                   const core::Pose2& T_world_map, double tolerance_m);
 
 /// Without truth: how sure a map is of its cells. Map entropy: the mean binary entropy (Shannon; bits, 0 to

@@ -53,7 +53,7 @@ bool isSpeck(const std::vector<size_t>& group, int columns, double resolution_m)
   return widest_m <= kSpeck_m + 1e-9;
 }
 
-Mask wallsOf(const world::Plan& map) {
+Mask wallsOf(const world::CellMap& map) {
   Mask walls(map.cells.size());
   std::transform(map.cells.begin(), map.cells.end(), walls.begin(),
                  [](Cell cell) { return static_cast<char>(cell == Cell::kOccupied); });
@@ -107,7 +107,7 @@ void blur(Tile& tile, const std::vector<double>& weights) {
 constexpr int kInner = 64;  ///< cells of a tile that are answered; the rest is the reach of the filters
 
 /// Marks the corner cells of one tile.
-void markCorners(const world::Plan& map, const Mask& walls, int column0, int row0, Mask& corners) {
+void markCorners(const world::CellMap& map, const Mask& walls, int column0, int row0, Mask& corners) {
   const auto blurring = gaussian(std::max(1.0, kCornerBlur_m / map.resolution_m));
   const auto window = gaussian(std::max(1.0, kCornerWindow_m / map.resolution_m));
   const int margin = static_cast<int>(blurring.size() + window.size());
@@ -143,7 +143,7 @@ void markCorners(const world::Plan& map, const Mask& walls, int column0, int row
     }
 }
 
-size_t countCorners(const world::Plan& map) {
+size_t countCorners(const world::CellMap& map) {
   const Mask walls = wallsOf(map);
   Mask corners(walls.size(), 0);
   for (int row0 = 0; row0 < map.rows; row0 += kInner)
@@ -159,7 +159,7 @@ size_t countCorners(const world::Plan& map) {
   return groupsOf(map.columns, map.rows, corners).size();
 }
 
-size_t countEnclosedAreas(const world::Plan& map) {
+size_t countEnclosedAreas(const world::CellMap& map) {
   Mask free(map.cells.size());
   std::transform(map.cells.begin(), map.cells.end(), free.begin(),
                  [](Cell cell) { return static_cast<char>(cell == Cell::kFree); });
@@ -174,7 +174,7 @@ size_t countEnclosedAreas(const world::Plan& map) {
 
 }  // namespace
 
-MapStructure mapStructure(const world::Plan& map) {
+MapStructure mapStructure(const world::CellMap& map) {
   const auto occupied = std::count(map.cells.begin(), map.cells.end(), Cell::kOccupied);
   const auto free = std::count(map.cells.begin(), map.cells.end(), Cell::kFree);
   MapStructure structure{std::numeric_limits<double>::quiet_NaN(), 0, 0};

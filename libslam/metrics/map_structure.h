@@ -1,7 +1,7 @@
 #pragma once
 #include <cstddef>
 
-#include "libslam/world/plan.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::metrics {
 
@@ -37,6 +37,6 @@ inline constexpr double kSmallestArea_m2 = 0.05;
 
 /// The same for a map that is turned by a quarter, mirrored, or padded with unknown cells. An empty map: NaN,
 /// 0, 0. Cost: a quarter of a second for a map of 1500 x 1000 cells.
-MapStructure mapStructure(const world::Plan& map);
+MapStructure mapStructure(const world::CellMap& map);
 
 }  // namespace slam::metrics

@@ -123,13 +123,13 @@ void PlacedScans::add(const core::Pose2& T_map_lidar, const std::vector<core::Po
   last_view_ = T_map_lidar;
   Used scan{views_++, 0};
   if (!isKept(scan.view)) return;
-  const core::Point2 origin_cells = world::worldToCells(map_, core::position(T_map_lidar));
+  const core::Point2 origin_cells = world::pointToCells(map_, core::position(T_map_lidar));
   const core::RigidMotion2 T_map_returns(T_map_lidar);
   for (const auto& p_lidar : returns_lidar) {
     const core::Point2 p_map = T_map_returns * p_lidar;
     if (!std::isfinite(p_map.x) || !std::isfinite(p_map.y)) continue;
     points_.push_back(p_map);
-    const core::Point2 end_cells = world::worldToCells(map_, p_map);
+    const core::Point2 end_cells = world::pointToCells(map_, p_map);
     if (!(end_cells.x >= 0 && end_cells.y >= 0 && end_cells.x < map_.columns && end_cells.y < map_.rows))
       continue;
     ++scan.returns;

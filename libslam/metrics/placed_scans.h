@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/world/plan.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::metrics {
 
@@ -58,11 +58,10 @@ inline constexpr double kWallReach_m = 0.10;
 /// left lies evenly over the whole drive and over all lidars.
 class PlacedScans {
  public:
-  /// Keeps a reference to the map, which must outlive it. Its T_world_plan places the raster in the map
-  /// frame.
-  explicit PlacedScans(const world::Plan& map, std::size_t most_points = kMostPoints)
+  /// Keeps a reference to the map, which must outlive it. Poses and points are in its frame.
+  explicit PlacedScans(const world::CellMap& map, std::size_t most_points = kMostPoints)
       : map_(map), most_points_(most_points) {}
-  explicit PlacedScans(world::Plan&&, std::size_t = kMostPoints) = delete;
+  explicit PlacedScans(world::CellMap&&, std::size_t = kMostPoints) = delete;
   static constexpr std::size_t kMostPoints = 3'000'000;  ///< 160 MB with what pointSharpness() needs
 
   /// One scan: returns as points in the lidar's frame. So that a robot that stands still does not outvote one
@@ -88,7 +87,7 @@ class PlacedScans {
     std::uint32_t returns = 0, on_wall = 0, through_wall = 0;
   };
 
-  const world::Plan& map_;
+  const world::CellMap& map_;
   std::size_t most_points_;
   core::Pose2 last_view_;
   std::uint64_t views_ = 0;

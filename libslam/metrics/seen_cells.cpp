@@ -44,12 +44,12 @@ SeenMask seenCells(const world::Plan& plan, const core::Trajectory& truth, const
     if (last_used && &stamped != &truth.back() && !isNewView(*last_used, stamped.pose)) continue;
     last_used = &stamped.pose;
     const auto T_world_lidar = stamped.pose * T_robot_lidar;
-    const auto origin = world::worldToCells(plan, core::position(T_world_lidar));
+    const auto origin = world::pointToCells(plan, core::position(T_world_lidar));
     // Before the conversion to int, which a coordinate far outside would overflow.
     if (!(origin.x >= 0 && origin.y >= 0 && origin.x < plan.columns && origin.y < plan.rows)) continue;
     if (plan.at(static_cast<int>(origin.x), static_cast<int>(origin.y)) == world::Cell::kOccupied) continue;
     for (int beam = 0; beam < beams; ++beam)
-      markRay(plan, origin, T_world_lidar.phi + first_angle_rad + beam * step_rad - plan.T_world_plan.phi,
+      markRay(plan, origin, T_world_lidar.phi + first_angle_rad + beam * step_rad - plan.T_frame_raster.phi,
               max_range_cells, marks);
   }
   SeenMask seen;

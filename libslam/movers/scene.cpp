@@ -91,7 +91,7 @@ void Scene::tick(const Disc& robot) {
 }
 
 Disc Scene::toPlanFrame(const Disc& robot) const {
-  return {core::inverse(plan_.T_world_plan) * robot.p, robot.radius_m};
+  return {core::inverse(plan_.T_frame_raster) * robot.p, robot.radius_m};
 }
 
 void Scene::moveDoors(const Disc& robot_in_plan) {
@@ -120,9 +120,9 @@ void Scene::placeBodies() {
   if (!crowd_) return;
   const std::size_t others = robots_.size();
   crowd_->appendBodies(bodies_);
-  for (std::size_t i = others; i < bodies_.size(); ++i) bodies_[i].p = plan_.T_world_plan * bodies_[i].p;
+  for (std::size_t i = others; i < bodies_.size(); ++i) bodies_[i].p = plan_.T_frame_raster * bodies_[i].p;
   for (const auto& person : crowd_->people())
-    persons_.push_back({plan_.T_world_plan * person.p, crowd_->radius_m()});
+    persons_.push_back({plan_.T_frame_raster * person.p, crowd_->radius_m()});
 }
 
 }  // namespace slam::movers

@@ -172,7 +172,7 @@ void Walkways::drawPlaces(const world::Plan& plan, const std::vector<std::uint32
     for (size_t tries = 0; tries < 30 * wanted && places_.size() < wanted; ++tries) {
       const size_t cell = region[random.below(region.size())];
       const core::Point2 p = centreOf(cell);
-      const bool has_room = !isInDoorway(p) && !world::discCollides(plan, plan.T_world_plan * p, room_m);
+      const bool has_room = !isInDoorway(p) && !world::discCollides(plan, plan.T_frame_raster * p, room_m);
       if ((has_room || !with_room) && isFarFromOthers(p)) places_.push_back(cell);
     }
     if (places_.size() > 1) return;

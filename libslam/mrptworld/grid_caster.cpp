@@ -45,7 +45,7 @@ world::Plan toPlan(const COccupancyGridMap2D& grid, float threshold) {
                               std::to_string(plan.rows) + " cells, expected at most " +
                               std::to_string(kLargestSide) + " on a side");
   plan.resolution_m = grid.getResolution();
-  plan.T_world_plan = {grid.getXMin(), grid.getYMin(), 0};
+  plan.T_frame_raster = {grid.getXMin(), grid.getYMin(), 0};
   const auto wall_at_most = COccupancyGridMap2D::p2l(1 - threshold);
   const auto& log_odds = grid.getRawMap();
   plan.cells.resize(log_odds.size());

@@ -39,7 +39,7 @@ struct Floor {
 
 Floor floorOf(const world::Plan& plan, const core::Point2& start_world, double radius_m) {
   Floor floor{plan, std::vector<char>(plan.cells.size(), 0)};
-  const core::Point2 start = world::worldToCells(plan, start_world);
+  const core::Point2 start = world::pointToCells(plan, start_world);
   floor.start = static_cast<std::size_t>(start.y) * static_cast<std::size_t>(plan.columns) +
                 static_cast<std::size_t>(start.x);
   // A hair less, so that rounding leaves nothing out.

@@ -74,7 +74,7 @@ DriveGraph::DriveGraph(const world::Plan& plan, const core::Point2& start_world,
       block_(std::max(1, block_cells)),
       blocks_across_((plan.columns + block_ - 1) / block_),
       blocks_up_((plan.rows + block_ - 1) / block_) {
-  const core::Point2 start = world::worldToCells(plan, start_world);
+  const core::Point2 start = world::pointToCells(plan, start_world);
   auto admits = world::admissibleCells(plan, radius_m / plan.resolution_m);
   reachable_ = floodFrom(plan, admits, start);
   node_of_block_.assign(static_cast<std::size_t>(blocks_across_) * blocks_up_, -1);
@@ -117,7 +117,7 @@ DriveGraph::DriveGraph(const world::Plan& plan, const core::Point2& start_world,
 core::Point2 DriveGraph::pointOf(Node node) const {
   const auto columns = static_cast<std::size_t>(plan_.columns);
   const std::size_t cell = cellOf(node), row = cell / columns;
-  return world::cellsToWorld(plan_,
+  return world::cellsToPoint(plan_,
                              {static_cast<double>(cell % columns) + 0.5, static_cast<double>(row) + 0.5});
 }
 
@@ -138,7 +138,7 @@ DriveGraph::Node DriveGraph::neighbour(Node node, int edge) const {
 }
 
 bool DriveGraph::seesStraight(const core::Point2& a_world, const core::Point2& b_world) const {
-  const core::Point2 a = world::worldToCells(plan_, a_world), b = world::worldToCells(plan_, b_world);
+  const core::Point2 a = world::pointToCells(plan_, a_world), b = world::pointToCells(plan_, b_world);
   const int steps = static_cast<int>(std::ceil(2 * core::distance(a, b)));
   for (int i = 0; i <= steps; ++i) {
     const double s = steps > 0 ? static_cast<double>(i) / steps : 0;

@@ -227,11 +227,11 @@ class TimeStrip {
 
 }  // namespace
 
-void drawJournal(const world::Plan& map, const core::Trajectory& path,
+void drawJournal(const world::CellMap& map, const core::Trajectory& path,
                  const std::vector<core::JournalLine>& events, const std::string& title,
                  const std::string& file, const draw::Paper& paper) {
   const auto styles = stylesOf(events);
-  draw::Window window = draw::windowOf(map, map.T_world_plan);
+  draw::Window window = draw::windowOf(map, map.T_frame_raster);
   window.include(draw::windowOf(path).cutTo(window.isEmpty() ? draw::windowOf(path) : window.grownBy(0.1)));
   if (window.isEmpty()) window.include(core::Point2{0, 0});
   const double least_m = std::max(0.05 * std::max(window.width(), window.height()), 0.5);
@@ -256,7 +256,7 @@ void drawJournal(const world::Plan& map, const core::Trajectory& path,
   draw::drawTitle(canvas, {margin, margin}, title, width);
   const draw::MapView view{
       window, {std::round(margin + (width - map_width) / 2), margin + title_height, map_width, map_height}};
-  draw::drawRaster(canvas, view, map, map.T_world_plan);
+  draw::drawRaster(canvas, view, map, map.T_frame_raster);
   canvas.clipTo(view.box);
   draw::drawPath(canvas, view, path, kPathColour, 1.5);
   for (const auto& [event, style] : styles) drawEvents(canvas, view, path, events, event, style);

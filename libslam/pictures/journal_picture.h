@@ -5,7 +5,7 @@
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
 #include "libslam/draw/canvas.h"
-#include "libslam/world/plan.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::pictures {
 
@@ -15,7 +15,7 @@ namespace slam::pictures {
 /// `lost` to `recovered`, are stretches of the path; `resampled` and the others are marks. What happens on
 /// the way to a loop (`searched`, `found`, `confirmed`, `dropped`) stands in the strip alone. Under the rules
 /// of the pictures in picture.h.
-void drawJournal(const world::Plan& map, const core::Trajectory& path,
+void drawJournal(const world::CellMap& map, const core::Trajectory& path,
                  const std::vector<core::JournalLine>& events, const std::string& title,
                  const std::string& file, const draw::Paper& paper = {});
 

@@ -29,12 +29,12 @@ bool isFace(const world::Plan& plan, int column, int row) {
   return false;
 }
 
-core::Point2 centre(const world::Plan& raster, const core::Pose2& T_world_raster, int column, int row) {
+core::Point2 centre(const world::CellMap& raster, const core::Pose2& T_world_raster, int column, int row) {
   return T_world_raster *
          core::Point2{(column + 0.5) * raster.resolution_m, (row + 0.5) * raster.resolution_m};
 }
 
-std::vector<core::Point2> wallCentres(const world::Plan& raster, const core::Pose2& T_world_raster) {
+std::vector<core::Point2> wallCentres(const world::CellMap& raster, const core::Pose2& T_world_raster) {
   std::vector<core::Point2> centres;
   for (int row = 0; row < raster.rows; ++row)
     for (int column = 0; column < raster.columns; ++column)
@@ -45,17 +45,17 @@ std::vector<core::Point2> wallCentres(const world::Plan& raster, const core::Pos
 
 draw::LabelRaster labelTruth(const world::Plan& plan, const metrics::NearestPoints& map_walls,
                              double tolerance_m, const metrics::SeenMask* seen) {
-  return draw::LabelRaster(plan, plan.T_world_plan, [&](int column, int row) {
+  return draw::LabelRaster(plan, plan.T_frame_raster, [&](int column, int row) {
     const auto cell = plan.at(column, row);
     if (cell != world::Cell::kOccupied) return cell == world::Cell::kFree ? kTrueFree : kTrueUnknown;
     if (!isFace(plan, column, row)) return kInsideWall;
-    const double distance_m = map_walls.distance(centre(plan, plan.T_world_plan, column, row));
+    const double distance_m = map_walls.distance(centre(plan, plan.T_frame_raster, column, row));
     if (distance_m <= tolerance_m) return kAgreedFace;
     return !seen || seen->wall[static_cast<size_t>(row) * plan.columns + column] ? kMissedFace : kUnseenFace;
   });
 }
 
-draw::LabelRaster labelMap(const world::Plan& map, const core::Pose2& T_world_raster,
+draw::LabelRaster labelMap(const world::CellMap& map, const core::Pose2& T_world_raster,
                            const metrics::NearestPoints& true_walls, double tolerance_m) {
   return draw::LabelRaster(map, T_world_raster, [&](int column, int row) {
     const auto cell = map.at(column, row);
@@ -79,14 +79,14 @@ draw::Colour differenceColour(unsigned char truth, unsigned char map) {
 
 }  // namespace
 
-MapDifference::MapDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,
-                             const metrics::SeenMask* seen)
+MapDifference::MapDifference(const world::Plan& plan, const world::CellMap& map,
+                             const core::Pose2& T_world_map, const metrics::SeenMask* seen)
     : tolerance_m_(2 * std::max(plan.resolution_m, map.resolution_m)), has_seen_(seen != nullptr) {
   if (seen && (seen->columns != plan.columns || seen->rows != plan.rows))
     throw core::ContractError("MapDifference: the mask is not of the plan's size");
-  const auto T_world_raster = T_world_map * map.T_world_plan;
+  const auto T_world_raster = T_world_map * map.T_frame_raster;
   const bool placed = core::isFinite(T_world_raster);
-  const metrics::NearestPoints true_walls(wallCentres(plan, plan.T_world_plan));
+  const metrics::NearestPoints true_walls(wallCentres(plan, plan.T_frame_raster));
   const metrics::NearestPoints map_walls(placed ? wallCentres(map, T_world_raster)
                                                 : std::vector<core::Point2>{});
   truth_labels_ = labelTruth(plan, map_walls, tolerance_m_, seen);

@@ -14,7 +14,7 @@ namespace slam::pictures {
 /// (ContractError).
 class MapDifference {
  public:
-  MapDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,
+  MapDifference(const world::Plan& plan, const world::CellMap& map, const core::Pose2& T_world_map,
                 const metrics::SeenMask* seen);
   /// The most telling colour within the square of that side around the point.
   draw::Colour colourAt(const core::Point2& p_world, double side_m) const;

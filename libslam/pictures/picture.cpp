@@ -16,7 +16,7 @@ constexpr double kPanelTitleSize = 23, kSubtitleSize = 18, kPanelHeadHeight = 58
 struct LineWidths {
   double truth, estimate, dashes;
 };
-constexpr LineWidths kPlanLines{7, 3, 1.2}, kPanelLines{5, 2.6, 1.1};
+constexpr LineWidths kMapLines{7, 3, 1.2}, kPanelLines{5, 2.6, 1.1};
 constexpr draw::Colour kOverWalls{130, 130,
                                   130};  // a path of the palette's black is no black line on black walls
 constexpr draw::Colour kAroundDashes{255, 255, 255};
@@ -108,7 +108,7 @@ double paperWidth(const draw::Paper& paper) {
   return paper.unitsWide() - 2 * draw::sheetMargin(paper);
 }
 
-/// One map under a title, over a legend: the sheet of drawPlan() and drawDifference().
+/// One map under a title, over a legend: the sheet of drawMap() and drawDifference().
 class MapSheet {
  public:
   MapSheet(const draw::Window& window, const std::string& title, const std::vector<draw::LegendEntry>& legend,
@@ -147,7 +147,7 @@ draw::Window commonWindow(const std::vector<Panel>& panels) {
   std::vector<draw::Window> maps;
   draw::Window truth, estimates;
   for (const auto& panel : panels) {
-    maps.push_back(draw::windowOf(panel.map, panel.T_world_map * panel.map.T_world_plan));
+    maps.push_back(draw::windowOf(panel.map, panel.T_world_map * panel.map.T_frame_raster));
     if (panel.is_true) truth.include(maps.back());
     for (const auto& path : panel.paths)
       (path.is_truth ? truth : estimates).include(draw::windowOf(path.path));
@@ -202,7 +202,7 @@ void drawPanel(draw::Canvas& canvas, const Panel& panel, const draw::MapView& vi
               kSubtitleSize, draw::kGrey);
   canvas.clipTo(view.box);
   if (core::isFinite(panel.T_world_map))
-    draw::drawRaster(canvas, view, panel.map, panel.T_world_map * panel.map.T_world_plan);
+    draw::drawRaster(canvas, view, panel.map, panel.T_world_map * panel.map.T_frame_raster);
   else
     canvas.box(view.box, draw::kUnknown);
   drawPaths(canvas, view, panel.paths, colours, kPanelLines);
@@ -212,9 +212,9 @@ void drawPanel(draw::Canvas& canvas, const Panel& panel, const draw::MapView& vi
 
 }  // namespace
 
-void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, const std::string& title,
-              const std::string& file, const DrawnMarks& marks, const draw::Paper& paper) {
-  draw::Window truth = draw::windowOf(plan, plan.T_world_plan), estimates;
+void drawMap(const world::CellMap& map, const std::vector<DrawnPath>& paths, const std::string& title,
+             const std::string& file, const DrawnMarks& marks, const draw::Paper& paper) {
+  draw::Window truth = draw::windowOf(map, map.T_frame_raster), estimates;
   for (const auto& path : paths) (path.is_truth ? truth : estimates).include(draw::windowOf(path.path));
   if (marks.are_points)
     for (const auto& place : marks.places) estimates.include(place);
@@ -224,25 +224,25 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
   MapSheet sheet(draw::usable(draw::withEstimates(truth, estimates)), title, legend, paper);
   auto& canvas = sheet.canvas();
   canvas.clipTo(sheet.view().box);
-  draw::drawRaster(canvas, sheet.view(), plan, plan.T_world_plan);
+  draw::drawRaster(canvas, sheet.view(), map, map.T_frame_raster);
   const auto drawMarks = [&](double radius) {
     for (const auto& place : marks.places) canvas.disc(sheet.view().toPixel(place), radius, draw::kOrange);
   };
   if (marks.are_points) drawMarks(1.2);
-  drawPaths(canvas, sheet.view(), paths, colours, kPlanLines);
+  drawPaths(canvas, sheet.view(), paths, colours, kMapLines);
   if (!marks.are_points) drawMarks(5);
   canvas.liftClip();
   canvas.frame(sheet.view().box, draw::kFrame, 1);
   canvas.save(file);
 }
 
-void drawDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,
+void drawDifference(const world::Plan& plan, const world::CellMap& map, const core::Pose2& T_world_map,
                     const std::string& title, const std::string& file, const metrics::SeenMask* seen,
                     const draw::Paper& paper) {
   const MapDifference difference(plan, map, T_world_map, seen);
-  const auto T_world_raster = T_world_map * map.T_world_plan;
+  const auto T_world_raster = T_world_map * map.T_frame_raster;
   const auto window = draw::usable(draw::withEstimates(
-      draw::windowOf(plan, plan.T_world_plan),
+      draw::windowOf(plan, plan.T_frame_raster),
       core::isFinite(T_world_raster) ? draw::windowOf(map, T_world_raster) : draw::Window{}));
   MapSheet sheet(window, title, difference.legend(), paper);
   const auto& view = sheet.view();
@@ -258,8 +258,8 @@ namespace {
 constexpr draw::Colour kNewColour = draw::kVermillion, kGoneColour = draw::kBlue;
 enum ChangeLabel : unsigned char { kNotKnown, kOpen, kStands };
 
-draw::LabelRaster wallsOf(const world::Plan& map) {
-  return draw::LabelRaster(map, map.T_world_plan, [&](int column, int row) {
+draw::LabelRaster wallsOf(const world::CellMap& map) {
+  return draw::LabelRaster(map, map.T_frame_raster, [&](int column, int row) {
     const auto cell = map.at(column, row);
     return cell == world::Cell::kOccupied ? kStands : cell == world::Cell::kFree ? kOpen : kNotKnown;
   });
@@ -270,8 +270,8 @@ draw::LabelRaster wallsOf(const world::Plan& map) {
 void drawChanges(const DrawnChanges& changes, const std::string& title, const std::string& file,
                  const draw::Paper& paper) {
   const auto before = wallsOf(changes.before), after = wallsOf(changes.after);
-  auto window = draw::windowOf(changes.before, changes.before.T_world_plan);
-  window.include(draw::windowOf(changes.after, changes.after.T_world_plan));
+  auto window = draw::windowOf(changes.before, changes.before.T_frame_raster);
+  window.include(draw::windowOf(changes.after, changes.after.T_frame_raster));
   using Kind = draw::LegendEntry::Kind;
   MapSheet sheet(draw::usable(window), title,
                  {{Kind::kBox, draw::kWall, "wall in both, or seen once"},
@@ -305,11 +305,11 @@ void drawChanges(const DrawnChanges& changes, const std::string& title, const st
   sheet.canvas().save(file);
 }
 
-std::vector<Panel> pathPanels(const world::Plan& plan, const std::vector<DrawnPath>& paths) {
+std::vector<Panel> pathPanels(const world::CellMap& ground, const std::vector<DrawnPath>& paths) {
   std::vector<Panel> panels;
   for (const auto& path : paths) {
     if (path.is_truth) continue;
-    Panel panel{path.label, "", plan, {}, {path}, true};
+    Panel panel{path.label, "", ground, {}, {path}, true};
     for (const auto& truth : paths)
       if (truth.is_truth) panel.paths.push_back(truth);
     panels.push_back(std::move(panel));

@@ -10,7 +10,7 @@
 
 namespace slam::pictures {
 
-/// A path to draw, in the frame of the picture's plan (world, or map where there is no truth).
+/// A path to draw, in the frame of the picture's map (the world's, or an estimate's where there is no truth).
 struct DrawnPath {
   core::Trajectory path;
   std::string label;
@@ -25,10 +25,9 @@ struct DrawnPath {
 // colour-blind readers), given to paths by label in the order of first use. Walls are dark, free space white,
 // the unknown grey. What is shown is the part of the world that holds walls and the true path; estimates may
 // widen it by a tenth and are cut where they leave it. Points that are not finite break a path. Rasters lie
-// where their T_world_plan
-// says.
+// where their T_frame_raster says.
 
-/// Places to mark with a dot, in the frame of the picture's plan.
+/// Places to mark with a dot, in the frame of the picture's map.
 struct DrawnMarks {
   std::vector<core::Point2> places;
   std::string label;
@@ -36,9 +35,9 @@ struct DrawnMarks {
       false;  ///< many and small, such as returns of scans: under the paths, and the picture shows them all
 };
 
-/// A plan with paths, and marks over them (points: under them).
-void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, const std::string& title,
-              const std::string& file, const DrawnMarks& marks = {}, const draw::Paper& paper = {});
+/// A plan, or an estimated map, with paths, and marks over them (points: under them).
+void drawMap(const world::CellMap& map, const std::vector<DrawnPath>& paths, const std::string& title,
+             const std::string& file, const DrawnMarks& marks = {}, const draw::Paper& paper = {});
 
 /// An estimated map over the true plan. A wall cell of one agrees when the other has a wall within two cells
 /// (of the coarser raster; the legend states it in metres); agreeing walls are dark, walls of the map alone
@@ -47,15 +46,15 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
 /// its view are no longer missed but pale, under a name of their own; without it every wall can be missed,
 /// whether the robot was there or not. T_world_map not finite: the truth alone. REQUIRES a mask of the plan's
 /// size (ContractError).
-void drawDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,
+void drawDifference(const world::Plan& plan, const world::CellMap& map, const core::Pose2& T_world_map,
                     const std::string& title, const std::string& file,
                     const metrics::SeenMask* seen = nullptr, const draw::Paper& paper = {});
 
-/// Two estimated maps of one place, each where its T_world_plan says: walls of both dark, free in either
+/// Two estimated maps of one place, each where its T_frame_raster says: walls of both dark, free in either
 /// white, and around each place a ring with its number, from 1, within which the walls of the later map, or
 /// of the earlier one, are in colour.
 struct DrawnChanges {
-  world::Plan before, after;
+  world::CellMap before, after;
   std::string before_name, after_name;
   struct Place {
     core::Point2 centre;
@@ -72,14 +71,14 @@ void drawChanges(const DrawnChanges& changes, const std::string& title, const st
 /// gone astray does not shrink the rest, and what is true: paths and plans, whole. REQUIRES 1 to 8 panels.
 struct Panel {
   std::string title, subtitle;
-  world::Plan map;               ///< in its own map frame
+  world::CellMap map;            ///< in its own map frame
   core::Pose2 T_world_map;       ///< not finite: the map is left out
   std::vector<DrawnPath> paths;  ///< in the world frame
-  bool is_true = false;          ///< the map is a true plan
+  bool is_true = false;          ///< the map is the cells of a true plan
 };
 void drawPanels(const std::vector<Panel>& panels, const std::string& file, const draw::Paper& paper = {});
 /// A panel for every path but the true one, which lies in each of them: where paths would hide one another.
-std::vector<Panel> pathPanels(const world::Plan& plan, const std::vector<DrawnPath>& paths);
+std::vector<Panel> pathPanels(const world::CellMap& ground, const std::vector<DrawnPath>& paths);
 
 /// A scan: range over angle (the original chart; beams without a return leave gaps) beside the polar plot,
 /// lidar frame, ahead up.

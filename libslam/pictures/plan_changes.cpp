@@ -41,7 +41,7 @@ unsigned char plainLabel(Cell cell) {
 /// Before shows what was there and goes, after what was not there and came; what a door's leaf or a text left
 /// behind is coloured in both, so that it can be found in both.
 draw::LabelRaster labelsOf(const world::Plan& plan, const std::vector<Change>& changes) {
-  return {plan, plan.T_world_plan, [&](int column, int row) {
+  return {plan, plan.T_frame_raster, [&](int column, int row) {
             const Change change = changes[static_cast<size_t>(row) * plan.columns + column];
             for (size_t i = 0; i < kLooks.size(); ++i)
               if (kLooks[i].change == change) return static_cast<unsigned char>(kFirstLook + i);
@@ -56,8 +56,8 @@ std::vector<Change> withoutRemoved(std::vector<Change> changes) {
   return changes;
 }
 
-void drawMap(draw::Canvas& canvas, const draw::MapView& view, const world::Plan& plan,
-             const std::vector<Change>& changes) {
+void drawCells(draw::Canvas& canvas, const draw::MapView& view, const world::Plan& plan,
+               const std::vector<Change>& changes) {
   const draw::LabelRaster labels = labelsOf(plan, changes);
   const double side_m = 1 / (view.pixelsPerMetre() * draw::Canvas::kSubpixels);
   canvas.paint(view.box, [&](draw::Pixel pixel) { return colourOf(labels.at(view.toWorld(pixel), side_m)); });
@@ -83,7 +83,7 @@ void drawPlanChanges(const world::Plan& before, const world::Plan& mended, const
   // Drawn in the scale and place of the mended plan; the raster is the same.
   world::Plan first = before, after = mended;
   first.resolution_m = after.resolution_m;
-  first.T_world_plan = after.T_world_plan = {};
+  first.T_frame_raster = after.T_frame_raster = {};
   const double width_m = after.columns * after.resolution_m, height_m = after.rows * after.resolution_m;
   const bool beside = height_m > 0.6 * width_m;
   const int across = beside ? 2 : 1, down = beside ? 1 : 2;
@@ -106,9 +106,9 @@ void drawPlanChanges(const world::Plan& before, const world::Plan& mended, const
     canvas.text({x, y + kHeadSize}, i == 0 ? "before: what goes" : "after: what came", kHeadSize, draw::kInk);
     const draw::MapView view{window, {x, y + kHeadHeight, map_width, map_height}};
     if (i == 0)
-      drawMap(canvas, view, first, changes);
+      drawCells(canvas, view, first, changes);
     else
-      drawMap(canvas, view, after, withoutRemoved(changes));
+      drawCells(canvas, view, after, withoutRemoved(changes));
   }
   legend.draw(canvas, {kMargin, total + kMargin - legend.height()});
   canvas.save(file);

@@ -12,7 +12,7 @@ namespace slam::rays {
 double castOriginalRay(const world::Plan& plan, const core::Point2& origin_world, double angle_rad,
                        double max_range_m) {
   using core::kInfinity;
-  const core::Point2 origin = world::worldToCells(plan, origin_world),
+  const core::Point2 origin = world::pointToCells(plan, origin_world),
                      direction = rayDirection(plan, angle_rad);
   if (!isFiniteRay(origin, direction)) return kInfinity;
   const double column = std::floor(origin.x), row = std::floor(origin.y);

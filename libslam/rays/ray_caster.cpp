@@ -12,10 +12,10 @@ namespace {
 using core::kInfinity;
 
 /// Distance in cells; may give up on hits beyond `limit` cells.
-double castWithin(const world::Plan& plan, const core::Point2& origin, const core::Point2& direction,
+double castWithin(const world::CellMap& map, const core::Point2& origin, const core::Point2& direction,
                   double limit) {
   double distance = kInfinity;
-  walkRay(plan, origin, direction, limit, [&](const world::Cell* cell, const RayEntry& entry) {
+  walkRay(map, origin, direction, limit, [&](const world::Cell* cell, const RayEntry& entry) {
     if (*cell != world::Cell::kOccupied) return true;
     distance = entry.distance();
     return false;
@@ -23,33 +23,32 @@ double castWithin(const world::Plan& plan, const core::Point2& origin, const cor
   return distance;
 }
 
-double castFromCells(const world::Plan& plan, const core::Point2& origin, const core::Point2& direction,
+double castFromCells(const world::CellMap& map, const core::Point2& origin, const core::Point2& direction,
                      double max_range_m) {
-  return castInMetres(plan, direction, max_range_m, [&](const core::Point2& d, double limit) {
-    return castWithin(plan, origin, d, limit);
-  });
+  return castInMetres(map, direction, max_range_m,
+                      [&](const core::Point2& d, double limit) { return castWithin(map, origin, d, limit); });
 }
 
 }  // namespace
 
-double castRayInCells(const world::Plan& plan, const core::Point2& origin, const core::Point2& direction) {
-  return castWithin(plan, origin, direction, kInfinity);
+double castRayInCells(const world::CellMap& map, const core::Point2& origin, const core::Point2& direction) {
+  return castWithin(map, origin, direction, kInfinity);
 }
 
-double castRay(const world::Plan& plan, const core::Point2& origin_world, double angle_rad,
+double castRay(const world::CellMap& map, const core::Point2& origin_world, double angle_rad,
                double max_range_m) {
-  return castFromCells(plan, world::worldToCells(plan, origin_world), rayDirection(plan, angle_rad),
+  return castFromCells(map, world::pointToCells(map, origin_world), rayDirection(map, angle_rad),
                        max_range_m);
 }
 
-void castScan(const world::Plan& plan, const core::Pose2& T_world_lidar, const BeamTable& beams,
+void castScan(const world::CellMap& map, const core::Pose2& T_world_lidar, const BeamTable& beams,
               double max_range_m, std::vector<float>& out_ranges_m) {
-  const core::Point2 origin = world::worldToCells(plan, core::position(T_world_lidar));
-  const Rotation turn(T_world_lidar.phi - plan.T_world_plan.phi);
+  const core::Point2 origin = world::pointToCells(map, core::position(T_world_lidar));
+  const Rotation turn(T_world_lidar.phi - map.T_frame_raster.phi);
   out_ranges_m.resize(static_cast<size_t>(beams.size()));
   for (size_t i = 0; i < out_ranges_m.size(); ++i) {
     const core::Point2 direction = turn * core::Point2{beams.cosines()[i], beams.sines()[i]};
-    out_ranges_m[i] = static_cast<float>(castFromCells(plan, origin, direction, max_range_m));
+    out_ranges_m[i] = static_cast<float>(castFromCells(map, origin, direction, max_range_m));
   }
 }
 

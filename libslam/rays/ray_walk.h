@@ -5,17 +5,17 @@
 
 #include "libslam/core/numbers.h"
 #include "libslam/core/pose2.h"
-#include "libslam/world/plan.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::rays {
 
-/// One axis of a plan in cells, mirrored where a ray runs down it so that the ray always grows along it. Cell
-/// k of the plan is cell -k - 1 of its mirror image: negation is exact, so the image costs no bit.
+/// One axis of a map in cells, mirrored where a ray runs down it so that the ray always grows along it. Cell
+/// k of the map is cell -k - 1 of its mirror image: negation is exact, so the image costs no bit.
 struct GrowingAxis {
   double origin;        ///< of the ray, cells
   double direction;     ///< cosine of the ray with the axis, >= 0
   int begin, end;       ///< cells begin .. end-1 exist
-  std::ptrdiff_t step;  ///< from a cell to the next in Plan::cells
+  std::ptrdiff_t step;  ///< from a cell to the next in CellMap::cells
   std::ptrdiff_t zero;  ///< index contribution of cell 0
 
   bool contains(double coordinate) const {
@@ -76,21 +76,21 @@ class RayEntry {
 };
 
 /// The walk whose arithmetic castRay() states: calls go_on(const Cell*, RayEntry) for every cell
-/// that the ray enters, first that of its origin (distance 0), in order, until it answers false or the plan
-/// ends. Origin (column, row as reals) and direction (a unit vector) in cells of the plan; nothing is visited
-/// from outside the plan or when one of them is not finite. `limit` in cells only ends the walk early, up to
+/// that the ray enters, first that of its origin (distance 0), in order, until it answers false or the map
+/// ends. Origin (column, row as reals) and direction (a unit vector) in cells of the map; nothing is visited
+/// from outside the map or when one of them is not finite. `limit` in cells only ends the walk early, up to
 /// two columns late: compare entries exactly where it matters.
 template <class GoOn>
-void walkRay(const world::Plan& plan, const core::Point2& origin, const core::Point2& direction, double limit,
-             GoOn go_on) {
+void walkRay(const world::CellMap& map, const core::Point2& origin, const core::Point2& direction,
+             double limit, GoOn go_on) {
   if (!isFiniteRay(origin, direction)) return;
-  const GrowingAxis x = growingAxis(origin.x, direction.x, plan.columns, 1);
-  const GrowingAxis y = growingAxis(origin.y, direction.y, plan.rows, plan.columns);
+  const GrowingAxis x = growingAxis(origin.x, direction.x, map.columns, 1);
+  const GrowingAxis y = growingAxis(origin.y, direction.y, map.rows, map.columns);
   const GrowingAxis major = x.direction >= y.direction ? x : y, minor = x.direction >= y.direction ? y : x;
 
   if (!major.contains(major.origin) || !minor.contains(minor.origin)) return;
   int u = static_cast<int>(std::floor(major.origin)), v = static_cast<int>(std::floor(minor.origin));
-  const world::Cell* cell = plan.cells.data() + major.zero + minor.zero + u * major.step + v * minor.step;
+  const world::Cell* cell = map.cells.data() + major.zero + minor.zero + u * major.step + v * minor.step;
   if (!go_on(cell, RayEntry(major, minor, u, u, false))) return;
 
   const double slope = raySlope(major, minor);
@@ -109,20 +109,20 @@ void walkRay(const world::Plan& plan, const core::Point2& origin, const core::Po
   }
 }
 
-/// The unit vector in the plan's axes.
-inline core::Point2 rayDirection(const world::Plan& plan, double angle_rad) {
-  const double angle_in_plan = angle_rad - plan.T_world_plan.phi;
-  return core::polar(1, angle_in_plan);
+/// The unit vector in the map's axes.
+inline core::Point2 rayDirection(const world::CellMap& map, double angle_rad) {
+  const double angle_in_raster = angle_rad - map.T_frame_raster.phi;
+  return core::polar(1, angle_in_raster);
 }
 
-/// A ray in metres along a unit vector in the plan's axes from a cast in cells: `cast(direction, limit)`
+/// A ray in metres along a unit vector in the map's axes from a cast in cells: `cast(direction, limit)`
 /// answers the distance in cells and may answer anything greater than `limit` for hits beyond it. Infinity
 /// beyond max_range_m; <= 0 means no limit.
 template <class Cast>
-double castInMetres(const world::Plan& plan, const core::Point2& direction, double max_range_m, Cast cast) {
+double castInMetres(const world::CellMap& map, const core::Point2& direction, double max_range_m, Cast cast) {
   using core::kInfinity;
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
-  const double distance_m = plan.resolution_m * cast(direction, limit_m / plan.resolution_m);
+  const double distance_m = map.resolution_m * cast(direction, limit_m / map.resolution_m);
   return distance_m <= limit_m ? distance_m : kInfinity;
 }
 

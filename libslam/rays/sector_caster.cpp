@@ -119,7 +119,7 @@ class BlockCast {
     for (int index = 0; index < 8; ++index) {
       if (beams_of[index] == 0) continue;
       const OctantView view(table_, octantAt(index), origin_);
-      // On the plan's border an origin is inside for some directions and outside for others.
+      // On the map's border an origin is inside for some directions and outside for others.
       const bool inside = view.contains();
       const int u = inside ? floorToInt(view.major.origin) : 0,
                 v = inside ? floorToInt(view.minor.origin) : 0;
@@ -211,12 +211,12 @@ bool isSupported(Instructions instructions) {
   return true;
 }
 
-SectorCaster::SectorCaster(const world::Plan& plan, Instructions instructions)
-    : kernel_(kernelFor(instructions)), table_(plan) {
-  frame_.columns = plan.columns;
-  frame_.rows = plan.rows;
-  frame_.resolution_m = plan.resolution_m;
-  frame_.T_world_plan = plan.T_world_plan;
+SectorCaster::SectorCaster(const world::CellMap& map, Instructions instructions)
+    : kernel_(kernelFor(instructions)), table_(map) {
+  frame_.columns = map.columns;
+  frame_.rows = map.rows;
+  frame_.resolution_m = map.resolution_m;
+  frame_.T_frame_raster = map.T_frame_raster;
 }
 
 double SectorCaster::castRayInCells(const core::Point2& origin, const core::Point2& direction) const {
@@ -242,7 +242,7 @@ double SectorCaster::castRayInCells(const core::Point2& origin, const core::Poin
 }
 
 double SectorCaster::castRay(const core::Point2& origin_world, double angle_rad, double max_range_m) const {
-  const core::Point2 origin = world::worldToCells(frame_, origin_world);
+  const core::Point2 origin = world::pointToCells(frame_, origin_world);
   return castInMetres(
       frame_, rayDirection(frame_, angle_rad), max_range_m,
       [&](const core::Point2& direction, double) { return castRayInCells(origin, direction); });
@@ -256,8 +256,8 @@ void SectorCaster::castScan(const core::Pose2& T_world_lidar, const BeamTable& b
 
 void SectorCaster::castBeams(const core::Pose2& T_world_lidar, const BeamTable& beams, int first, int count,
                              double max_range_m, float* out_ranges_m) const {
-  const core::Point2 origin = world::worldToCells(frame_, core::position(T_world_lidar));
-  const Rotation turn(T_world_lidar.phi - frame_.T_world_plan.phi);
+  const core::Point2 origin = world::pointToCells(frame_, core::position(T_world_lidar));
+  const Rotation turn(T_world_lidar.phi - frame_.T_frame_raster.phi);
   if (!isFiniteRay(origin, {turn.cosine, turn.sine})) {
     std::fill_n(out_ranges_m, count, std::numeric_limits<float>::infinity());
     return;

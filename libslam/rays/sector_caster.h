@@ -5,7 +5,7 @@
 #include "libslam/rays/beam_table.h"
 #include "libslam/rays/sector_march.h"
 #include "libslam/rays/sector_table.h"
-#include "libslam/world/plan.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::rays {
 
@@ -16,16 +16,16 @@ enum class Instructions { kPortable, kAvx2, kAvx512, kFastest };
 bool isSupported(Instructions instructions);
 
 /// castRay() and castScan() with the same bits on every ray, many times faster once a SectorTable is made of
-/// the plan. castScan() advances all beams of a scan together, one look-up each per pass, eight or sixteen at
+/// the map. castScan() advances all beams of a scan together, one look-up each per pass, eight or sixteen at
 /// a time where the processor has the registers; it is the fast one.
 ///
 /// Memory: 8 bytes per cell, and one more row and column. Construction: some milliseconds per million cells,
-/// paid back by some dozens of scans. The plan is not needed afterwards. Calls from several threads at once
+/// paid back by some dozens of scans. The map is not needed afterwards. Calls from several threads at once
 /// are safe, but for update().
 class SectorCaster {
  public:
   /// ContractError for instructions that the processor lacks.
-  explicit SectorCaster(const world::Plan& plan, Instructions instructions = Instructions::kFastest);
+  explicit SectorCaster(const world::CellMap& map, Instructions instructions = Instructions::kFastest);
 
   /// As rays::castScan().
   void castScan(const core::Pose2& T_world_lidar, const BeamTable& beams, double max_range_m,
@@ -43,13 +43,13 @@ class SectorCaster {
   double castRayInCells(const core::Point2& origin, const core::Point2& direction) const;
 
   /// As SectorTable::update(): a door was shut, a thing was put somewhere.
-  void update(const world::Plan& plan, int x0, int y0, int x1, int y1) {
-    table_.update(plan, x0, y0, x1, y1);
+  void update(const world::CellMap& map, int x0, int y0, int x1, int y1) {
+    table_.update(map, x0, y0, x1, y1);
   }
 
  private:
   const ScanKernel* kernel_;
-  world::Plan frame_;  ///< size and placement; no cells
+  world::CellMap frame_;  ///< size and placement; no cells
   SectorTable table_;
 };
 

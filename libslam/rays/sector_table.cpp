@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kPadding = 3;
 
-/// Uninitialised, and in huge pages where the system has them: random rays in a large plan then miss the
+/// Uninitialised, and in huge pages where the system has them: random rays in a large map then miss the
 /// translation buffers less.
 std::uint8_t* allocate(std::size_t size) {
   constexpr std::size_t kHugePage = std::size_t{1} << 21;
@@ -49,13 +49,13 @@ void fillColumn(const std::uint8_t* __restrict wall, const std::uint8_t* __restr
   }
 }
 
-/// Walls of the plan, 1 or 0, with the minor axis contiguous.
-std::vector<std::uint8_t> wallsOf(const world::Plan& plan, bool x_is_major) {
+/// Walls of the map, 1 or 0, with the minor axis contiguous.
+std::vector<std::uint8_t> wallsOf(const world::CellMap& map, bool x_is_major) {
   constexpr int kBlock = 64;  // a transposition by blocks keeps both sides in the cache
-  const size_t columns = static_cast<size_t>(plan.columns), rows = static_cast<size_t>(plan.rows);
+  const size_t columns = static_cast<size_t>(map.columns), rows = static_cast<size_t>(map.rows);
   std::vector<std::uint8_t> walls(columns * rows);
   if (!x_is_major) {
-    std::transform(plan.cells.begin(), plan.cells.end(), walls.begin(), [](world::Cell cell) {
+    std::transform(map.cells.begin(), map.cells.end(), walls.begin(), [](world::Cell cell) {
       return static_cast<std::uint8_t>(cell == world::Cell::kOccupied);
     });
     return walls;
@@ -64,7 +64,7 @@ std::vector<std::uint8_t> wallsOf(const world::Plan& plan, bool x_is_major) {
     for (size_t column = 0; column < columns; column += kBlock)
       for (size_t r = row; r < std::min(rows, row + kBlock); ++r)
         for (size_t c = column; c < std::min(columns, column + kBlock); ++c)
-          walls[c * rows + r] = plan.cells[r * columns + c] == world::Cell::kOccupied;
+          walls[c * rows + r] = map.cells[r * columns + c] == world::Cell::kOccupied;
   return walls;
 }
 
@@ -122,14 +122,13 @@ void forEachOctant(AnyOctant do_octant) {
 
 /// Carries a change of walls in `changed_u` by `changed_v` to all codes of the octant that depend on it: from
 /// the last column back to the first that nothing changed in.
-void updateOctant(const world::Plan& plan, const Octant& octant, const Span& changed_u, const Span& changed_v,
-                  int tiles, std::uint8_t* codes) {
-  const int size_v = octant.x_is_major ? plan.rows : plan.columns;
+void updateOctant(const world::CellMap& map, const Octant& octant, const Span& changed_u,
+                  const Span& changed_v, int tiles, std::uint8_t* codes) {
+  const int size_v = octant.x_is_major ? map.rows : map.columns;
   const auto isWall = [&](int u, int v) {
     const int along_x = octant.x_is_major ? u : v, along_y = octant.x_is_major ? v : u;
-    return v < size_v &&
-           plan.at(octant.x_falls ? plan.columns - 1 - along_x : along_x,
-                   octant.y_falls ? plan.rows - 1 - along_y : along_y) == world::Cell::kOccupied;
+    return v < size_v && map.at(octant.x_falls ? map.columns - 1 - along_x : along_x,
+                                octant.y_falls ? map.rows - 1 - along_y : along_y) == world::Cell::kOccupied;
   };
   const size_t room = static_cast<size_t>(size_v) + 2;
   std::vector<std::uint8_t> wall(room), next(room), column(room);
@@ -170,29 +169,29 @@ void SectorTable::Free::operator()(std::uint8_t* bytes) const {
   std::free(bytes);
 }
 
-SectorTable::SectorTable(const world::Plan& plan)
-    : columns_(requireSide(plan.columns)),
-      rows_(requireSide(plan.rows)),
-      octant_size_(static_cast<size_t>(tilesFor(plan.columns)) * tilesFor(plan.rows) * kTileSide * kTileSide),
+SectorTable::SectorTable(const world::CellMap& map)
+    : columns_(requireSide(map.columns)),
+      rows_(requireSide(map.rows)),
+      octant_size_(static_cast<size_t>(tilesFor(map.columns)) * tilesFor(map.rows) * kTileSide * kTileSide),
       codes_(allocate(8 * octant_size_ + kPadding)) {
   std::fill_n(codes_.get() + 8 * octant_size_, kPadding, kNeverHits);
   std::vector<std::uint8_t> walls;
   forEachOctant([&](const Octant& octant) {
-    if (!octant.x_falls && !octant.y_falls) walls = wallsOf(plan, octant.x_is_major);
+    if (!octant.x_falls && !octant.y_falls) walls = wallsOf(map, octant.x_is_major);
     fillOctant(walls, octant.x_is_major ? columns_ : rows_, octant.x_is_major ? rows_ : columns_,
                octant.x_is_major ? octant.x_falls : octant.y_falls,
                octant.x_is_major ? octant.y_falls : octant.x_falls, tiles(octant), codes(octant));
   });
 }
 
-void SectorTable::update(const world::Plan& plan, int x0, int y0, int x1, int y1) {
-  if (plan.columns != columns_ || plan.rows != rows_)
+void SectorTable::update(const world::CellMap& map, int x0, int y0, int x1, int y1) {
+  if (map.columns != columns_ || map.rows != rows_)
     throw core::ContractError("SectorTable::update: the plan has another size");
   const Span x{std::max(x0, 0), std::min(x1, columns_)}, y{std::max(y0, 0), std::min(y1, rows_)};
   if (x.empty() || y.empty()) return;
   forEachOctant([&](const Octant& octant) {
     const Span along_x = mirrored(x, octant.x_falls, columns_), along_y = mirrored(y, octant.y_falls, rows_);
-    updateOctant(plan, octant, octant.x_is_major ? along_x : along_y, octant.x_is_major ? along_y : along_x,
+    updateOctant(map, octant, octant.x_is_major ? along_x : along_y, octant.x_is_major ? along_y : along_x,
                  tiles(octant), codes(octant));
   });
 }

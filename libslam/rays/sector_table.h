@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "libslam/world/plan.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::rays {
 
@@ -19,22 +19,22 @@ struct Octant {
   std::size_t index() const { return (x_is_major ? 4U : 0U) + (x_falls ? 2U : 0U) + (y_falls ? 1U : 0U); }
 };
 
-/// For each octant of direction and each cell of a plan, how many columns of the major axis a ray may skip
+/// For each octant of direction and each cell of a map, how many columns of the major axis a ray may skip
 /// whatever its slope: K(u, v) = 1 + min(K(u + 1, v), K(u + 1, v + 1)) where (u, v) and (u, v + 1) are free.
 /// The walk of castRay() may restart at any column, so a skip costs no exactness.
 ///
-/// Memory: 8 bytes per cell, and one more row and column of cells outside the plan, rounded up to whole
+/// Memory: 8 bytes per cell, and one more row and column of cells outside the map, rounded up to whole
 /// tiles: cells lie in tiles of 8 x 8, one cache line each, because the rays of a scan look at neighbouring
 /// cells of neighbouring columns.
 class SectorTable {
  public:
-  /// ContractError for a plan of more than 2^15 cells on a side.
-  explicit SectorTable(const world::Plan& plan);
+  /// ContractError for a map of more than 2^15 cells on a side.
+  explicit SectorTable(const world::CellMap& map);
 
-  /// Cells x0 .. x1-1 by y0 .. y1-1 of the plan have other walls now: the table becomes what a new one would
-  /// be. REQUIRES a plan of the same size that differs from the known one nowhere else. Cost: the cells from
+  /// Cells x0 .. x1-1 by y0 .. y1-1 of the map have other walls now: the table becomes what a new one would
+  /// be. REQUIRES a map of the same size that differs from the known one nowhere else. Cost: the cells from
   /// which the change is seen within 254 columns.
-  void update(const world::Plan& plan, int x0, int y0, int x1, int y1);
+  void update(const world::CellMap& map, int x0, int y0, int x1, int y1);
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }

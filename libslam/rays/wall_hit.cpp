@@ -158,7 +158,7 @@ std::optional<WallHit> findWall(const world::Plan& plan, const core::Point2& ori
   using core::kInfinity;
   std::optional<WallHit> hit;
   const world::Cell* before = nullptr;
-  walkRay(plan, world::worldToCells(plan, origin_world), rayDirection(plan, angle_rad), kInfinity,
+  walkRay(plan, world::pointToCells(plan, origin_world), rayDirection(plan, angle_rad), kInfinity,
           [&](const world::Cell* cell, const RayEntry& entry) {
             const auto index = static_cast<size_t>(cell - plan.cells.data());
             const world::Material material =
@@ -189,7 +189,7 @@ std::optional<WallHit> findWall(const world::Plan& plan, const core::Point2& ori
 bool isPlainAt(const world::Plan& plan, const core::Point2& p_world) {
   constexpr double kNear = 1e-3;
   if (plan.materials.empty()) return true;
-  const core::Point2 p = world::worldToCells(plan, p_world);
+  const core::Point2 p = world::pointToCells(plan, p_world);
   const auto clampedTo = [](double cell, int size) {
     return static_cast<int>(std::clamp(std::floor(cell), 0.0, size - 1.0));
   };
@@ -210,7 +210,7 @@ Surface surfaceAt(const world::Plan& plan, const WallHit& hit) {
   const double length = core::hypot(tangent.x, tangent.y);
   const core::Point2 normal{tangent.y / length, -tangent.x / length};
   const bool on_axis = normal.x == 0 || normal.y == 0;
-  const core::Pose2 T_world_axes{0, 0, plan.T_world_plan.phi};
+  const core::Pose2 T_world_axes{0, 0, plan.T_frame_raster.phi};
   return {T_world_axes * normal, on_axis ? 0 : 1.5 * plan.resolution_m};
 }
 

@@ -86,7 +86,7 @@ void drawGoalRun(const ReachGoalRequest& request, const GoalRun& run, const std:
   const auto& config = request.config;
   if (const auto overlay = strategicOverlay(run.method, config.navigate, config.robot, config.lidar))
     paths.insert(second(), overlayOf(*overlay, request, run));
-  pictures::drawPlan(request.plan, paths, title, path);
+  pictures::drawMap(request.plan, paths, title, path);
 }
 
 void drawGoalRuns(const ReachGoalRequest& request, const std::vector<GoalRun>& runs,
@@ -95,7 +95,7 @@ void drawGoalRuns(const ReachGoalRequest& request, const std::vector<GoalRun>& r
   paths.reserve(runs.size() + 1);
   for (const auto& run : runs) paths.push_back({truth::brokenAtCarries(run.truth, run.carries), run.method});
   paths.push_back(goalMark(request.p_world_goal, markSize(request.plan)));
-  pictures::drawPlan(request.plan, paths, request.plan.name, path);
+  pictures::drawMap(request.plan, paths, request.plan.name, path);
 }
 
 }  // namespace slam::reach

@@ -44,7 +44,7 @@ const OwnNavigator* ownOf(const ReachGoalRequest& request, const std::string& me
 
 void requirePossible(const ReachGoalRequest& request) {
   const auto& plan = request.plan;
-  const core::Point2 cell = world::worldToCells(plan, request.p_world_goal);
+  const core::Point2 cell = world::pointToCells(plan, request.p_world_goal);
   const auto fail = [&](const std::string& found) {
     throw core::InputError("plan '" + plan.name + "': goal " + describe(request.p_world_goal) + " is " +
                            found + ", expected a place on the floor");

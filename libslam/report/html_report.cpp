@@ -69,13 +69,14 @@ std::string sharedPictures(const ReportPage& page, const Grounds& grounds) {
   for (size_t k = 0; k < grounds.grounds.size(); ++k) {
     const auto& ground = grounds.grounds[k];
     if (ground.plan != nullptr)
-      html += imageElement(ground, planId(k),
-                           rasterPng(*ground.plan, ground.plan->T_world_plan, ground.window, ground.cell_m));
+      html +=
+          imageElement(ground, planId(k),
+                       rasterPng(*ground.plan, ground.plan->T_frame_raster, ground.window, ground.cell_m));
     for (const size_t i : ground.runs)
       if (const auto& run = page.runs[i]; run.map)
         html += imageElement(
             ground, mapId(i),
-            rasterPng(*run.map, run.T_world_map * run.map->T_world_plan, ground.window, ground.cell_m));
+            rasterPng(*run.map, run.T_world_map * run.map->T_frame_raster, ground.window, ground.cell_m));
   }
   return html + "</defs></svg>\n";
 }

@@ -20,9 +20,9 @@ namespace slam::report {
 /// One method on one log, for the page. World frame (map frame where there is no truth).
 struct ReportRun {
   std::string method;
-  std::string failure;             ///< why there are no figures, or where the robot was lost; ""
-  std::string summary;             ///< a sentence on how well it did
-  std::optional<world::Plan> map;  ///< the last good state of a method that failed; none: it left nothing
+  std::string failure;                ///< why there are no figures, or where the robot was lost; ""
+  std::string summary;                ///< a sentence on how well it did
+  std::optional<world::CellMap> map;  ///< the last good state of a method that failed; none: it left nothing
   core::Pose2 T_world_map;
   core::Trajectory path;    ///< the final one
   core::Trajectory online;  ///< as it was given at the time, where that differs; else empty

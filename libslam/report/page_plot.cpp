@@ -52,7 +52,7 @@ std::string swatchElement(draw::Colour colour) {
          draw::cssColour(colour) + "\"/></svg>";
 }
 
-std::string rasterPng(const world::Plan& raster, const core::Pose2& T_world_raster,
+std::string rasterPng(const world::CellMap& raster, const core::Pose2& T_world_raster,
                       const draw::Window& window, double cell_m) {
   const auto size = pictureSize(window, cell_m);
   cv::Mat picture(size.height, size.width, CV_8UC1, cv::Scalar(draw::kUnknown.red));

@@ -7,7 +7,7 @@
 #include "libslam/draw/canvas.h"
 #include "libslam/draw/map_view.h"
 #include "libslam/pictures/map_difference.h"
-#include "libslam/world/plan.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::report {
 
@@ -19,7 +19,7 @@ std::string swatchElement(draw::Colour colour);
 
 /// A raster over a window of the world as PNG, walls dark, free white, unknown grey: about a pixel per cell
 /// of `cell_m`, at most kMostPixels on a side. T_world_raster not finite: all unknown.
-std::string rasterPng(const world::Plan& raster, const core::Pose2& T_world_raster,
+std::string rasterPng(const world::CellMap& raster, const core::Pose2& T_world_raster,
                       const draw::Window& window, double cell_m);
 /// The same of a difference, in its colours.
 std::string differencePng(const pictures::MapDifference& difference, const draw::Window& window,

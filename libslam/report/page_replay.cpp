@@ -152,8 +152,8 @@ std::string thinnedNote(const ReportPage& page) {
 
 bool isSamePlan(const world::Plan& a, const world::Plan& b) {
   return a.columns == b.columns && a.rows == b.rows && a.resolution_m == b.resolution_m &&
-         a.T_world_plan.x == b.T_world_plan.x && a.T_world_plan.y == b.T_world_plan.y &&
-         a.T_world_plan.phi == b.T_world_plan.phi && a.cells == b.cells;
+         a.T_frame_raster.x == b.T_frame_raster.x && a.T_frame_raster.y == b.T_frame_raster.y &&
+         a.T_frame_raster.phi == b.T_frame_raster.phi && a.cells == b.cells;
 }
 
 /// Sets window and cell.
@@ -162,13 +162,13 @@ void measure(const ReportPage& page, Grounds& grounds, size_t index) {
   std::vector<draw::Window> maps;
   draw::Window truth, estimates;
   std::optional<double> cell_m;
-  const auto use = [&](const world::Plan& raster) {
+  const auto use = [&](const world::CellMap& raster) {
     cell_m = std::min(cell_m.value_or(raster.resolution_m), raster.resolution_m);
   };
   for (const size_t i : ground.runs) {
     const auto& run = page.runs[i];
     if (run.map && core::isFinite(run.T_world_map)) {
-      maps.push_back(draw::windowOf(*run.map, run.T_world_map * run.map->T_world_plan));
+      maps.push_back(draw::windowOf(*run.map, run.T_world_map * run.map->T_frame_raster));
       use(*run.map);
     }
     estimates.include(draw::windowOf(run.path));
@@ -176,7 +176,7 @@ void measure(const ReportPage& page, Grounds& grounds, size_t index) {
   for (size_t i = 0; i < page.replays.size(); ++i)
     if (grounds.of_replay[i] == index) truth.include(draw::windowOf(page.replays[i].truth));
   if (ground.plan != nullptr) {
-    truth.include(draw::windowOf(*ground.plan, ground.plan->T_world_plan));
+    truth.include(draw::windowOf(*ground.plan, ground.plan->T_frame_raster));
     use(*ground.plan);
     maps.clear();  // the plan alone says what there is to show
   }

@@ -63,9 +63,7 @@ RunFolder loadRun(const std::string& folder) {
     run.final_covariances = covariancesOf(*run.final_estimate, folder + "/covariances_final.csv");
   if (const std::string relative = folder + "/covariances_relative.csv"; std::filesystem::exists(relative))
     run.relative_covariances = readRelativeCovariances(relative);
-  world::PlanOptions options;
-  options.allow_empty = true;  // a naive map claims no free space, a diverged one no walls
-  run.map = world::loadPlan(folder + "/map.yaml", options);
+  run.map = world::loadCellMap(folder + "/map.yaml");
   run.cost = {timeOf(run.manifest, "mean_ms_per_scan"), timeOf(run.manifest, "p99_ms_per_scan"),
               resultOf(run.manifest, "peak_memory_mb", folder), timeOf(run.manifest, "real_time_factor")};
   return run;

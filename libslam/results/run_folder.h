@@ -8,7 +8,7 @@
 #include "libslam/results/cost.h"
 #include "libslam/results/pose_covariances.h"
 #include "libslam/results/relative_covariances.h"
-#include "libslam/world/plan.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::results {
 
@@ -21,7 +21,7 @@ struct RunFolder {
       covariances;  ///< of `estimate`, pose by pose; empty where the method gives none
   std::vector<StampedCovariance> final_covariances;  ///< the same of `final_estimate`
   std::vector<RelativeCovariance> relative_covariances;
-  world::Plan map;  ///< in the map frame
+  world::CellMap map;  ///< in the map frame
   resources::Manifest manifest;
   Cost cost;
 };

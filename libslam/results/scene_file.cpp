@@ -235,7 +235,7 @@ void addTruthToScene(const core::Trajectory& truth, const world::Plan* plan, con
   for (const auto& stamped : truth) truth_in_map.push_back({stamped.time_s, T_map_world * stamped.pose});
   window.include(draw::windowOf(truth_in_map));
   if (plan) {
-    window.include(draw::windowOf(*plan, T_map_world * plan->T_world_plan));
+    window.include(draw::windowOf(*plan, T_map_world * plan->T_frame_raster));
     insertRaster(scene, viewer::planLayer(*plan), T_map_world);
   }
   window = draw::usable(window);

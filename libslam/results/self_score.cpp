@@ -20,7 +20,7 @@ std::vector<core::Point2> returnsOf(const lidar::Scan& scan) {
 /// Scans one after the other at the poses of a path.
 class Placing {
  public:
-  Placing(const core::Trajectory& path, const world::Plan& map, core::Progress& progress)
+  Placing(const core::Trajectory& path, const world::CellMap& map, core::Progress& progress)
       : path_(path), scans_(map), progress_(progress) {
     progress_.begin("placing the scans");
   }
@@ -47,7 +47,7 @@ class Placing {
 
 }  // namespace
 
-SelfScore selfScore(logs::KeptScans& kept, const core::Trajectory& path, const world::Plan& map,
+SelfScore selfScore(logs::KeptScans& kept, const core::Trajectory& path, const world::CellMap& map,
                     core::Progress& progress) {
   Placing placing(path, map, progress);
   for (size_t entry = 0; const auto scans = kept.next(); ++entry) {
@@ -58,7 +58,7 @@ SelfScore selfScore(logs::KeptScans& kept, const core::Trajectory& path, const w
   return placing.score();
 }
 
-SelfScore selfScore(const std::string& log_path, const core::Trajectory& path, const world::Plan& map,
+SelfScore selfScore(const std::string& log_path, const core::Trajectory& path, const world::CellMap& map,
                     core::Progress& progress, const std::string& lidars, bool reads_ahead) {
   logs::ReadAhead log(log_path, lidars, reads_ahead);
   Placing placing(path, map, progress);

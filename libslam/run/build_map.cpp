@@ -18,7 +18,7 @@
 #include "libslam/process/memory_meter.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/results/manifest_entries.h"
-#include "libslam/results/map_plan.h"
+#include "libslam/results/map_cells.h"
 #include "libslam/results/scene_file.h"
 #include "libslam/results/self_score.h"
 #include "libslam/run/external_method.h"
@@ -254,7 +254,7 @@ void scoreAndDraw(const mapping::MapBuilder& method, Taken& taken, const std::st
   const auto score = [&] {
     if (run.stopped) return;
     stoppable(run, taken, options.keep_partial, [&] {
-      const auto map = results::toPlan(*ending.map);
+      const auto map = results::toCellMap(*ending.map);
       ending.self = taken.scans.rewind() ? results::selfScore(taken.scans, ending.path, map, progress)
                                          : results::selfScore(log_path, ending.path, map, progress, lidars,
                                                               options.threads > 1);

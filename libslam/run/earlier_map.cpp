@@ -74,7 +74,10 @@ void keepMap(const std::string& map, const std::string& to) {
   };
   const std::filesystem::path path(map);
   if (isGridMap(map)) {
-    world::savePlan(loadGridMap(map), to + "/map.yaml");
+    if (path.extension() == ".gz" || path.extension() == ".gridmap")
+      world::saveCellMap(loadGridMap(map), to + "/map.yaml");
+    else
+      world::savePlan(world::loadPlan(map), to + "/map.yaml");  // it may be one, with materials and doors
     if (path.extension() == ".gz") copy(map, "map.gridmap.gz");
     return;
   }

@@ -8,8 +8,9 @@
 #include "libslam/core/middle_value.h"
 #include "libslam/files/parameters.h"
 #include "libslam/rays/sector_caster.h"
-#include "libslam/results/map_plan.h"
+#include "libslam/results/map_cells.h"
 #include "libslam/world/clearance.h"
+#include "libslam/world/plan.h"
 
 namespace slam::run {
 namespace {
@@ -27,7 +28,7 @@ bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-world::Plan withUnknownShut(world::Plan map) {
+world::CellMap withUnknownShut(world::CellMap map) {
   std::replace(map.cells.begin(), map.cells.end(), world::Cell::kUnknown, world::Cell::kOccupied);
   return map;
 }
@@ -35,7 +36,7 @@ world::Plan withUnknownShut(world::Plan map) {
 /// Casts in the map, in which unknown cells hide what lies behind them.
 class Looker {
  public:
-  Looker(const world::Plan& map, double max_range_m)
+  Looker(const world::CellMap& map, double max_range_m)
       : map_(map),
         max_range_m_(max_range_m),
         caster_(withUnknownShut(map)),
@@ -57,12 +58,12 @@ class Looker {
   bool isWall(const core::Pose2& T, double angle_rad, double range_m) const {
     const double beyond_m = range_m + 0.01 * map_.resolution_m, angle = T.phi + angle_rad;
     const core::Point2 cell =
-        world::worldToCells(map_, {T.x + beyond_m * core::cos(angle), T.y + beyond_m * core::sin(angle)});
+        world::pointToCells(map_, {T.x + beyond_m * core::cos(angle), T.y + beyond_m * core::sin(angle)});
     const int column = static_cast<int>(std::floor(cell.x)), row = static_cast<int>(std::floor(cell.y));
     return map_.contains(column, row) && map_.at(column, row) == world::Cell::kOccupied;
   }
 
-  const world::Plan& map_;
+  const world::CellMap& map_;
   double max_range_m_;
   rays::SectorCaster caster_;
   rays::BeamTable beams_;
@@ -77,7 +78,7 @@ double medianReturn(const lidar::Scan& scan) {
 }
 
 /// Where a robot has room; where it has none anywhere, every free cell.
-std::vector<char> roomFor(const world::Plan& map) {
+std::vector<char> roomFor(const world::CellMap& map) {
   std::vector<char> room = world::admissibleCells(map, kClearance_m / map.resolution_m);
   if (std::find(room.begin(), room.end(), 1) == room.end()) room = world::admissibleCells(map, 0);
   return room;
@@ -90,9 +91,9 @@ bool isGridMap(const std::string& path) {
          endsWith(path, ".gridmap");
 }
 
-world::Plan loadGridMap(const std::string& path) {
-  if (endsWith(path, ".yaml") || endsWith(path, ".yml")) return world::loadPlan(path);
-  world::Plan map = results::toPlan(mapping::readGridMap(path));
+world::CellMap loadGridMap(const std::string& path) {
+  if (endsWith(path, ".yaml") || endsWith(path, ".yml")) return world::loadPlan(path);  // its cells
+  world::CellMap map = results::toCellMap(mapping::readGridMap(path));
   for (const auto& [cell, name] :
        {std::pair{world::Cell::kFree, "free cells"}, {world::Cell::kOccupied, "walls"}})
     if (std::find(map.cells.begin(), map.cells.end(), cell) == map.cells.end())
@@ -100,7 +101,8 @@ world::Plan loadGridMap(const std::string& path) {
   return map;
 }
 
-std::vector<mapping::KeyFrame> viewsOf(const world::Plan& map, double max_range_m, const std::string& name) {
+std::vector<mapping::KeyFrame> viewsOf(const world::CellMap& map, double max_range_m,
+                                       const std::string& name) {
   const Looker looker(map, max_range_m);
   const std::vector<char> room = roomFor(map);
   const int stride = std::max(1, static_cast<int>(std::lround(kCandidates_m / map.resolution_m)));
@@ -109,7 +111,7 @@ std::vector<mapping::KeyFrame> viewsOf(const world::Plan& map, double max_range_
   for (int row = stride / 2; row < map.rows; row += stride)
     for (int column = stride / 2; column < map.columns; column += stride) {
       if (!room[static_cast<size_t>(row) * map.columns + column]) continue;
-      const core::Point2 p = world::cellsToWorld(map, {column + 0.5, row + 0.5});
+      const core::Point2 p = world::cellsToPoint(map, {column + 0.5, row + 0.5});
       const auto isCovered = [&](double by_m) {
         for (size_t i = views.size(); i-- > 0;)
           if (core::distance(core::position(views[i].T_map_robot), p) < std::min(by_m, spacing_m[i]))

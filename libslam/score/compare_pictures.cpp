@@ -28,11 +28,11 @@ std::string subtitle(const Evaluation& e, bool has_truth) {
 }
 
 /// Several paths side by side, for on one plan they would hide one another.
-void drawPaths(const std::vector<pictures::Panel>& maps, const world::Plan& ground,
+void drawPaths(const std::vector<pictures::Panel>& maps, const world::CellMap& ground,
                const std::vector<pictures::DrawnPath>& paths, const std::string& file) {
   constexpr std::size_t kMostPanels = 8;
   if (maps.size() < 2 || maps.size() > kMostPanels)
-    return pictures::drawPlan(ground, paths, ground.name, file);
+    return pictures::drawMap(ground, paths, ground.name, file);
   auto panels = pictures::pathPanels(ground, paths);
   for (std::size_t i = 0; i < panels.size(); ++i) panels[i].subtitle = maps[i].subtitle;
   pictures::drawPanels(panels, file);
@@ -66,7 +66,7 @@ void drawPictures(const std::vector<results::RunFolder>& runs, const std::vector
   if (panels.empty()) return;
   pictures::drawPanels(panels, output + "/maps.png");
   progress.update(-1, 0);
-  const world::Plan& ground = truth && truth->plan ? *truth->plan : runs.front().map;
+  const world::CellMap& ground = truth && truth->plan ? *truth->plan : runs.front().map;
   drawPaths(panels, ground, paths, output + "/paths.png");
   logs::LogReader log(log_path);
   if (const auto entry = log.next()) pictures::drawScan(entry->scan, output + "/scan.png");

@@ -171,12 +171,12 @@ std::vector<WrongLoop> wrongLoops(const core::Trajectory& truth,
 }
 
 std::optional<WorstRegion> worstRegion(const world::Plan& plan, const metrics::SeenMask& seen,
-                                       const world::Plan& map, const core::Pose2& T_world_map,
+                                       const world::CellMap& map, const core::Pose2& T_world_map,
                                        const FailureLimits& limits) {
   if (!core::isFinite(T_world_map)) return std::nullopt;
   std::vector<core::Point2> true_walls, mapped_walls;
-  const auto centreOf = [](const world::Plan& raster, int column, int row) {
-    return world::cellsToWorld(raster, {column + 0.5, row + 0.5});
+  const auto centreOf = [](const world::CellMap& raster, int column, int row) {
+    return world::cellsToPoint(raster, {column + 0.5, row + 0.5});
   };
   for (int row = 0; row < plan.rows; ++row)
     for (int column = 0; column < plan.columns; ++column)

@@ -63,7 +63,7 @@ struct WorstRegion {
 };
 /// Wall length is counted in cells times their size. nullopt without any wrong wall.
 std::optional<WorstRegion> worstRegion(const world::Plan& plan, const metrics::SeenMask& seen,
-                                       const world::Plan& map, const core::Pose2& T_world_map,
+                                       const world::CellMap& map, const core::Pose2& T_world_map,
                                        const FailureLimits& limits = {});
 
 /// Where and why a run failed.

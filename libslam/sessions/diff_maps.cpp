@@ -12,7 +12,7 @@
 #include "libslam/pictures/picture.h"
 #include "libslam/report/html_report.h"
 #include "libslam/resources/file_hash.h"
-#include "libslam/results/map_plan.h"
+#include "libslam/results/map_cells.h"
 #include "libslam/run/known_map.h"
 #include "libslam/sessions/joined_sessions.h"
 #include "libslam/table/table.h"
@@ -21,12 +21,12 @@ namespace slam::sessions {
 namespace {
 
 /// What these scans alone make of the place.
-world::Plan drawn(const std::vector<mapping::KeyFrame>& key_frames, const files::IniFile& config) {
+world::CellMap drawn(const std::vector<mapping::KeyFrame>& key_frames, const files::IniFile& config) {
   const files::ScratchFolder scratch;
   mapping::writeKeyFrames(key_frames, scratch / "map.simplemap");
   auto method = mapping::makeMapBuilder(config, "graph", 1);
   mapping::continueMap(method, scratch / "map.simplemap", core::Pose2{}, true);
-  return results::toPlan(mapping::currentMap(method));
+  return results::toCellMap(mapping::currentMap(method));
 }
 
 report::ReportPage pageOf(const MapPair& maps, const MapChanges& changes, const std::string& picture,

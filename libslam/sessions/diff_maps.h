@@ -6,13 +6,13 @@
 #include "libslam/resources/manifest.h"
 #include "libslam/sessions/map_changes.h"
 #include "libslam/table/table.h"
-#include "libslam/world/plan.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::sessions {
 
 /// Two maps of one place, in the frame of the first.
 struct MapPair {
-  world::Plan before, after;
+  world::CellMap before, after;
   std::string before_name, after_name;
 };
 

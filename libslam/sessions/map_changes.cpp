@@ -10,25 +10,25 @@ namespace {
 
 using core::Point2;
 using world::Cell;
-using world::Plan;
+using world::CellMap;
 
 struct Spot {
   int column, row;
 };
 
-std::optional<Spot> spotOf(const Plan& map, const Point2& p) {
-  const Point2 cell = world::worldToCells(map, p);
+std::optional<Spot> spotOf(const CellMap& map, const Point2& p) {
+  const Point2 cell = world::pointToCells(map, p);
   const Spot spot{static_cast<int>(std::floor(cell.x)), static_cast<int>(std::floor(cell.y))};
   if (!map.contains(spot.column, spot.row)) return std::nullopt;
   return spot;
 }
 
-Point2 centreOf(const Plan& map, const Spot& spot) {
-  return world::cellsToWorld(map, {spot.column + 0.5, spot.row + 0.5});
+Point2 centreOf(const CellMap& map, const Spot& spot) {
+  return world::cellsToPoint(map, {spot.column + 0.5, spot.row + 0.5});
 }
 
 /// Whether a map is free at a point, and has no wall near it.
-bool isFreeAround(const Plan& map, const Point2& p) {
+bool isFreeAround(const CellMap& map, const Point2& p) {
   const auto spot = spotOf(map, p);
   if (!spot || map.at(spot->column, spot->row) != Cell::kFree) return false;
   const int reach = static_cast<int>(std::ceil(kTolerance_m / map.resolution_m));
@@ -41,7 +41,7 @@ bool isFreeAround(const Plan& map, const Point2& p) {
 }
 
 /// The occupied cells of a map where another is free, gathered into pieces.
-std::vector<MapChange> onlyIn(const Plan& map, const Plan& other, MapChange::Kind kind) {
+std::vector<MapChange> onlyIn(const CellMap& map, const CellMap& other, MapChange::Kind kind) {
   std::vector<char> open(map.cells.size(), 0);
   const auto index = [&](int column, int row) { return static_cast<size_t>(row) * map.columns + column; };
   for (int row = 0; row < map.rows; ++row)
@@ -74,7 +74,7 @@ std::vector<MapChange> onlyIn(const Plan& map, const Plan& other, MapChange::Kin
   return pieces;
 }
 
-double comparedArea(const Plan& before, const Plan& after) {
+double comparedArea(const CellMap& before, const CellMap& after) {
   double cells = 0;
   for (int row = 0; row < before.rows; ++row)
     for (int column = 0; column < before.columns; ++column) {
@@ -87,7 +87,7 @@ double comparedArea(const Plan& before, const Plan& after) {
 
 }  // namespace
 
-MapChanges findChanges(const Plan& before, const Plan& after) {
+MapChanges findChanges(const CellMap& before, const CellMap& after) {
   MapChanges found;
   found.changes = onlyIn(after, before, MapChange::Kind::kNew);
   const auto gone = onlyIn(before, after, MapChange::Kind::kGone);

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/world/plan.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::sessions {
 
@@ -23,7 +23,7 @@ struct MapChanges {
 /// the earlier one is free and has no wall within kTolerance_m; the other way round it has gone; what either
 /// does not know is no change. Cells that lie within kGap_m of one another are one change; smaller ones than
 /// kLeast_m across are taken for noise.
-MapChanges findChanges(const world::Plan& before, const world::Plan& after);
+MapChanges findChanges(const world::CellMap& before, const world::CellMap& after);
 inline constexpr double kTolerance_m = 0.15, kGap_m = 0.2, kLeast_m = 0.15;
 
 }  // namespace slam::sessions

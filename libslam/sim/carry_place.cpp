@@ -43,7 +43,7 @@ std::optional<core::Pose2> placeOf(const std::vector<core::Point2>& visited, con
 std::optional<core::Pose2> randomPlace(const world::Plan& plan, const core::Pose2& T_world_from,
                                        double radius_m, core::RandomStream& random) {
   const auto admissible = world::admissibleCells(plan, radius_m / plan.resolution_m);
-  const core::Point2 from = world::worldToCells(plan, core::position(T_world_from));
+  const core::Point2 from = world::pointToCells(plan, core::position(T_world_from));
   const auto cell = static_cast<size_t>(std::floor(from.y)) * static_cast<size_t>(plan.columns) +
                     static_cast<size_t>(std::floor(from.x));
   std::vector<core::Point2> places;
@@ -51,7 +51,7 @@ std::optional<core::Pose2> randomPlace(const world::Plan& plan, const core::Pose
     const auto columns = static_cast<size_t>(plan.columns);
     const size_t row = i / columns;
     places.push_back(
-        world::cellsToWorld(plan, {static_cast<double>(i % columns) + 0.5, static_cast<double>(row) + 0.5}));
+        world::cellsToPoint(plan, {static_cast<double>(i % columns) + 0.5, static_cast<double>(row) + 0.5}));
   }
   return placeOf(places, T_world_from, random);
 }

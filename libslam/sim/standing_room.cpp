@@ -18,7 +18,7 @@ std::string describe(const core::Pose2& pose) {
 
 std::string refusalOf(const world::Plan& plan, const core::Pose2& T_world_robot, double radius_m) {
   if (!core::isFinite(T_world_robot)) return "not finite";
-  const core::Point2 cell = world::worldToCells(plan, core::position(T_world_robot));
+  const core::Point2 cell = world::pointToCells(plan, core::position(T_world_robot));
   const double column = std::floor(cell.x), row = std::floor(cell.y);
   if (!(column >= 0 && row >= 0 && column < plan.columns && row < plan.rows)) return "outside the plan";
   if (plan.at(static_cast<int>(column), static_cast<int>(row)) == world::Cell::kOccupied) return "in a wall";

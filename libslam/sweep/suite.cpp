@@ -97,8 +97,8 @@ world::Plan loadWorld(const SuiteWorld& world) {
 std::string planSha256(const world::Plan& plan) {
   std::ostringstream text;
   text << plan.columns << ' ' << plan.rows << ' ' << files::formatNumber(plan.resolution_m) << ' '
-       << files::formatNumber(plan.T_world_plan.x) << ' ' << files::formatNumber(plan.T_world_plan.y) << ' '
-       << files::formatNumber(plan.T_world_plan.phi) << '\n';
+       << files::formatNumber(plan.T_frame_raster.x) << ' ' << files::formatNumber(plan.T_frame_raster.y)
+       << ' ' << files::formatNumber(plan.T_frame_raster.phi) << '\n';
   for (const auto& door : plan.doors)
     text << door.x0 << ' ' << door.y0 << ' ' << door.x1 << ' ' << door.y1 << '\n';
   text.write(reinterpret_cast<const char*>(plan.cells.data()),

@@ -92,7 +92,7 @@ void drawPictures(TeamLoop& loop, const TeamReport& report, const std::vector<ex
     curves.back().result.exploration.explorable_m2 = report.team.explorable_m2;
     curves.back().result.curve = results[i].curve;
   }
-  pictures::drawPlan(plan, paths, title, folder + "/path.png");
+  pictures::drawMap(plan, paths, title, folder + "/path.png");
   explore::drawCoverage(curves, nullptr, title, folder + "/coverage.png");
 }
 

@@ -5,7 +5,7 @@
 
 #include "libslam/gridmap/fused_raster.h"
 #include "libslam/record/sensor.h"
-#include "libslam/results/map_plan.h"
+#include "libslam/results/map_cells.h"
 #include "libslam/sim/sightings.h"
 
 namespace slam::teams {
@@ -307,7 +307,7 @@ TeamScores TeamLoop::scores() const {
   run.method = request_.slam;
   run.estimate = members_.front().robot->estimatedTrajectory();
   const auto map = mergedMap();
-  run.map = results::toPlan(map);
+  run.map = results::toCellMap(map);
   run.manifest.results["map_mean_entropy_bits"] = files::formatNumber(metrics::mapEntropy(map.occupancy));
   score::Truth truth;
   truth.trajectory = members_.front().robot->trueTrajectory();

@@ -71,9 +71,9 @@ void MoversLog::add(const sim::Simulator& simulator) {
   if (const auto* crowd = scene.crowd()) {
     size_t id = 0;
     for (const auto& person : crowd->people()) {
-      const core::Point2 p = plan.T_world_plan * person.p;
+      const core::Point2 p = plan.T_frame_raster * person.p;
       const double heading_rad =
-          core::wrapToPi(plan.T_world_plan.phi + core::atan2(person.heading.y, person.heading.x));
+          core::wrapToPi(plan.T_frame_raster.phi + core::atan2(person.heading.y, person.heading.x));
       lines << time << ",person," << id++ << ',' << rounded(p.x) << ',' << rounded(p.y) << ','
             << rounded(heading_rad) << ',' << nameOf(person.state) << '\n';
     }
@@ -85,7 +85,7 @@ void MoversLog::add(const sim::Simulator& simulator) {
       const auto& door = doors->all()[i];
       if (!is_first && doors_[i] == door.state) continue;
       doors_[i] = door.state;
-      const core::Point2 p = world::cellsToWorld(
+      const core::Point2 p = world::cellsToPoint(
           plan, {0.5 * (door.cells.x0 + door.cells.x1), 0.5 * (door.cells.y0 + door.cells.y1)});
       lines << time << ",door," << door.id << ',' << rounded(p.x) << ',' << rounded(p.y) << ",,"
             << nameOf(door.state) << '\n';

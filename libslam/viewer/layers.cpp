@@ -144,7 +144,7 @@ Layer planLayer(const world::Plan& plan) {
   });
   // The outer object has the layer's place, the inner one the plan's in the world.
   auto plane = sheet(image, plan.resolution_m);
-  const auto& T_world_plan = plan.T_world_plan;
+  const auto& T_world_plan = plan.T_frame_raster;
   plane->setPose(mrpt::poses::CPose3D(T_world_plan.x, T_world_plan.y, 0, T_world_plan.phi, 0, 0));
   auto layer = named(CSetOfObjects::Create(), kPlanLayer);
   layer->insert(plane);

@@ -36,7 +36,7 @@ draw::Window areaOf(const world::Plan& plan) {
   for (const core::Point2 corner :
        {core::Point2{0, 0}, core::Point2{1.0 * plan.columns, 0}, core::Point2{0, 1.0 * plan.rows},
         core::Point2{1.0 * plan.columns, 1.0 * plan.rows}})
-    area.include(world::cellsToWorld(plan, corner));
+    area.include(world::cellsToPoint(plan, corner));
   return area;
 }
 

@@ -59,16 +59,16 @@ std::vector<char> touched(int columns, const std::vector<Distance>& rows_to_mark
 
 }  // namespace
 
-std::vector<char> admissibleCells(const Plan& plan, double radius) {
-  const auto is_wall = [&plan](size_t i) { return plan.cells[i] == Cell::kOccupied; };
+std::vector<char> admissibleCells(const CellMap& map, double radius) {
+  const auto is_wall = [&map](size_t i) { return map.cells[i] == Cell::kOccupied; };
   std::vector<char> cells =
-      touched(plan.columns, rowsToMarked(plan.columns, plan.cells.size(), is_wall), columnsOfDisc(radius));
-  for (int row = 0; row < plan.rows; ++row) {
-    const bool row_fits = row + 0.5 - radius >= 0 && row + 0.5 + radius <= plan.rows;
-    for (int column = 0; column < plan.columns; ++column) {
-      const bool fits = row_fits && column + 0.5 - radius >= 0 && column + 0.5 + radius <= plan.columns;
-      const size_t i = static_cast<size_t>(row) * plan.columns + column;
-      cells[i] = fits && !cells[i] && plan.cells[i] == Cell::kFree;
+      touched(map.columns, rowsToMarked(map.columns, map.cells.size(), is_wall), columnsOfDisc(radius));
+  for (int row = 0; row < map.rows; ++row) {
+    const bool row_fits = row + 0.5 - radius >= 0 && row + 0.5 + radius <= map.rows;
+    for (int column = 0; column < map.columns; ++column) {
+      const bool fits = row_fits && column + 0.5 - radius >= 0 && column + 0.5 + radius <= map.columns;
+      const size_t i = static_cast<size_t>(row) * map.columns + column;
+      cells[i] = fits && !cells[i] && map.cells[i] == Cell::kFree;
     }
   }
   return cells;

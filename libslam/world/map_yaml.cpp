@@ -157,7 +157,7 @@ void requireSensible(const PlanOptions& options, const std::string& where) {
   if (options.free_threshold >= options.occupied_threshold)
     throw wrongValue(where, "free_thresh", files::formatNumber(options.free_threshold),
                      "a number below occupied_thresh " + files::formatNumber(options.occupied_threshold));
-  if (!core::isFinite(options.T_world_plan))
+  if (!core::isFinite(options.T_frame_raster))
     throw core::InputError(where + ": key 'origin': not finite, expected [x, y, yaw]");
 }
 
@@ -171,7 +171,7 @@ MapYaml readMapYaml(const std::string& path) {
   map.image_path = besideYaml(values.text("image"));
   if (values.find("materials")) map.materials_path = besideYaml(values.text("materials"));
   map.options.resolution_m = values.number("resolution", 1e-6, 1e6, "metres per pixel, a number above 0");
-  map.options.T_world_plan = values.pose("origin");
+  map.options.T_frame_raster = values.pose("origin");
   if (values.find("negate")) map.options.negate = values.flag("negate");
   constexpr const char* kShare = "a number from 0 to 1";
   if (values.find("occupied_thresh"))
@@ -194,7 +194,7 @@ MapYaml readMapYaml(const std::string& path) {
 
 std::string formatMapYaml(const std::string& image_name, const PlanOptions& options,
                           const std::string& materials_name, const std::vector<Door>& doors) {
-  std::string text = files::rosMapYaml({image_name, options.resolution_m, options.T_world_plan,
+  std::string text = files::rosMapYaml({image_name, options.resolution_m, options.T_frame_raster,
                                         options.negate, options.occupied_threshold, options.free_threshold});
   if (!materials_name.empty()) text += "materials: " + files::yamlScalar(materials_name) + "\n";
   if (!doors.empty()) text += "doors:\n";

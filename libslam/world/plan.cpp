@@ -48,10 +48,10 @@ bool isYaml(const std::string& path) {
   return suffix == ".yaml" || suffix == ".yml";
 }
 
-void requireSomethingToSee(const Plan& plan, const std::string& path) {
-  if (std::count(plan.cells.begin(), plan.cells.end(), Cell::kOccupied) == 0)
+void requireSomethingToSee(const CellMap& map, const std::string& path) {
+  if (std::count(map.cells.begin(), map.cells.end(), Cell::kOccupied) == 0)
     throw core::InputError(path + ": the picture has no obstacle, expected at least one occupied pixel");
-  if (std::count(plan.cells.begin(), plan.cells.end(), Cell::kFree) == 0)
+  if (std::count(map.cells.begin(), map.cells.end(), Cell::kFree) == 0)
     throw core::InputError(path + ": the picture has no free space, expected at least one free pixel");
 }
 
@@ -62,7 +62,7 @@ Plan planFromPicture(const Picture& picture, const PlanOptions& options, CellOfP
   plan.columns = picture.columns;
   plan.rows = picture.rows;
   plan.resolution_m = options.resolution_m;
-  plan.T_world_plan = options.T_world_plan;
+  plan.T_frame_raster = options.T_frame_raster;
   plan.cells.resize(picture.gray.size());
   const auto columns = static_cast<size_t>(picture.columns), rows = static_cast<size_t>(picture.rows);
   for (size_t row = 0; row < rows; ++row)
@@ -148,6 +148,29 @@ class PendingFiles {
   std::vector<std::string> paths_;
 };
 
+/// Picture and yaml, and with materials the picture of these.
+void saveCells(const CellMap& map, const std::string& materials_png, const std::vector<Door>& doors,
+               const std::string& yaml_path) {
+  std::vector<std::uint8_t> gray;
+  gray.reserve(map.cells.size());
+  for (int row = map.rows; row-- > 0;)
+    for (int column = 0; column < map.columns; ++column) gray.push_back(grayOf(map.at(column, row)));
+  PlanOptions options;
+  options.resolution_m = map.resolution_m;
+  options.T_frame_raster = map.T_frame_raster;
+  const auto beside = [&](const char* suffix) {
+    return fs::path(yaml_path).replace_extension(suffix).string();
+  };
+  const auto fileName = [](const std::string& path) { return fs::path(path).filename().string(); };
+  const std::string image_path = beside(".png");
+  const std::string materials_path = materials_png.empty() ? "" : beside(".materials.png");
+  PendingFiles files;
+  files.add(image_path, encodePng(map.columns, map.rows, gray));
+  if (!materials_path.empty()) files.add(materials_path, materials_png);
+  files.add(yaml_path, formatMapYaml(fileName(image_path), options, fileName(materials_path), doors));
+  files.commit();
+}
+
 /// Distance along one axis from a point to the nearest point of cell [index, index + 1).
 double gap(double coordinate, int index) {
   return std::max({0.0, index - coordinate, coordinate - (index + 1)});
@@ -163,38 +186,22 @@ Plan loadPlan(const std::string& path, const PlanOptions& options) {
   return plan;
 }
 
-void savePlan(const Plan& plan, const std::string& yaml_path) {
-  std::vector<std::uint8_t> gray;
-  gray.reserve(plan.cells.size());
-  for (int row = plan.rows; row-- > 0;)
-    for (int column = 0; column < plan.columns; ++column) gray.push_back(grayOf(plan.at(column, row)));
+CellMap loadCellMap(const std::string& path) {
   PlanOptions options;
-  options.resolution_m = plan.resolution_m;
-  options.T_world_plan = plan.T_world_plan;
-  const auto beside = [&](const char* suffix) {
-    return fs::path(yaml_path).replace_extension(suffix).string();
-  };
-  const auto fileName = [](const std::string& path) { return fs::path(path).filename().string(); };
-  const std::string image_path = beside(".png");
-  const std::string materials_path = plan.materials.empty() ? "" : beside(".materials.png");
-  PendingFiles files;
-  files.add(image_path, encodePng(plan.columns, plan.rows, gray));
-  if (!materials_path.empty()) files.add(materials_path, encodeMaterials(plan));
-  files.add(yaml_path, formatMapYaml(fileName(image_path), options, fileName(materials_path), plan.doors));
-  files.commit();
+  options.allow_empty = true;
+  return loadPlan(path, options);
 }
 
-core::Point2 worldToCells(const Plan& plan, const core::Point2& p_world) {
-  const core::Point2 p_plan = core::inverse(plan.T_world_plan) * p_world;
-  return {p_plan.x / plan.resolution_m, p_plan.y / plan.resolution_m};
+void savePlan(const Plan& plan, const std::string& yaml_path) {
+  saveCells(plan, plan.materials.empty() ? "" : encodeMaterials(plan), plan.doors, yaml_path);
 }
 
-core::Point2 cellsToWorld(const Plan& plan, const core::Point2& cell) {
-  return plan.T_world_plan * core::Point2{cell.x * plan.resolution_m, cell.y * plan.resolution_m};
+void saveCellMap(const CellMap& map, const std::string& yaml_path) {
+  saveCells(map, "", {}, yaml_path);
 }
 
 bool discCollides(const Plan& plan, const core::Point2& p_world, double radius_m) {
-  const core::Point2 c = worldToCells(plan, p_world);
+  const core::Point2 c = pointToCells(plan, p_world);
   const double radius = radius_m / plan.resolution_m;
   const bool inside =
       c.x - radius >= 0 && c.y - radius >= 0 && c.x + radius <= plan.columns && c.y + radius <= plan.rows;

@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/world/cell_map.h"
 
 namespace slam::world {
-
-enum class Cell : std::uint8_t { kFree = 0, kOccupied = 1, kUnknown = 2 };
 
 /// What an occupied cell is made of, for sensors that care.
 enum class Material : std::uint8_t { kPlain = 0, kGlass = 1, kMirror = 2, kDark = 3 };
@@ -18,33 +17,21 @@ struct Door {
   int x0, y0, x1, y1;
 };
 
-/// The true world: a raster of cells in metres. Cell (column, row) covers [column, column + 1) x [row, row +
-/// 1) in units of resolution_m in the plan frame; row 0 is at the bottom (y up), the frame's origin is the
-/// lower left corner of cell (0, 0). T_world_plan places the plan in the world (ROS: `origin`, with yaw).
-struct Plan {
-  std::string name;  ///< file name without folder and suffix, for tables
-  int columns = 0, rows = 0;
-  double resolution_m = 0.05;
-  core::Pose2 T_world_plan;
-  std::vector<Cell> cells;          ///< row-major, row 0 first; columns * rows of them
+/// The true world, placed in the world frame; an estimated map is a CellMap and no Plan. Where only cells
+/// count (rays, pictures, scores) both are taken as CellMaps.
+struct Plan : CellMap {
   std::vector<Material> materials;  ///< as cells, or empty: all plain; free cells are plain
   std::vector<Door> doors;
-
-  Cell at(int column, int row) const { return cells[static_cast<size_t>(row) * columns + column]; }
-  bool contains(int column, int row) const {
-    return column >= 0 && row >= 0 && column < columns && row < rows;
-  }
 };
 
 /// How a picture becomes a plan. From a ROS yaml where there is one.
 struct PlanOptions {
   double resolution_m = 0.05;
-  core::Pose2 T_world_plan;
+  core::Pose2 T_frame_raster;
   bool negate = false;
   double occupied_threshold = 0.65;  ///< occupied when (255 - gray) / 255 is above (ROS map_server's rule)
   double free_threshold = 0.196;     ///< free when below; between the two unknown
-  bool allow_empty =
-      false;  ///< accept a picture without walls or without free space (an estimated map may be one)
+  bool allow_empty = false;          ///< accept a picture without walls or without free space
 };
 
 /// Reads a plan: a ROS map yaml (by its suffix; image, resolution, origin, negate, thresholds, mode
@@ -68,10 +55,6 @@ Plan loadPlan(const std::string& path, const PlanOptions& options = {});
 /// that loads it back to the same cells, resolution, placement, materials and doors, bit for bit; a plan with
 /// materials has NAME.materials.png too. All or none are written. Errors: IoError.
 void savePlan(const Plan& plan, const std::string& yaml_path);
-
-/// Cell coordinates (column, row as reals) of a point in the world, and back.
-core::Point2 worldToCells(const Plan& plan, const core::Point2& p_world);
-core::Point2 cellsToWorld(const Plan& plan, const core::Point2& cell);
 
 /// True when a disc around p_world touches the square of an occupied cell (equality counts) or leaves the
 /// plan; also when p_world is not finite. Unknown cells are no obstacle. Cost: the cells under the disc.

@@ -25,11 +25,11 @@ class Search {
   /// The points of the way, or none.
   std::vector<core::Point2> run() {
     if (discCollides(plan_, from_, radius_m_)) return {};
-    const core::Point2 cell = worldToCells(plan_, from_);
+    const core::Point2 cell = pointToCells(plan_, from_);
     start_ =
         static_cast<size_t>(std::floor(cell.y)) * plan_.columns + static_cast<size_t>(std::floor(cell.x));
     fits_[start_] = 1;
-    const core::Point2 goal_cell = worldToCells(plan_, to_);
+    const core::Point2 goal_cell = pointToCells(plan_, to_);
     const double column = std::floor(goal_cell.x), row = std::floor(goal_cell.y);
     if (column >= 0 && row >= 0 && column < plan_.columns && row < plan_.rows)
       goal_ = static_cast<size_t>(row) * plan_.columns + static_cast<size_t>(column);
@@ -52,7 +52,7 @@ class Search {
     if (index == start_) return from_;
     if (index == goal_) return to_;
     const size_t column = index % plan_.columns, row = index / plan_.columns;
-    return cellsToWorld(plan_, {static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5});
+    return cellsToPoint(plan_, {static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5});
   }
 
   bool fits(size_t index) {

@@ -31,7 +31,7 @@ std::optional<core::Pose2> findStartPose(const Plan& plan, double clearance_m) {
     nearest = dx * dx + dy * dy;
     centre = {column + 0.5, row + 0.5};
   }
-  const core::Point2 p_world = cellsToWorld(plan, centre);
+  const core::Point2 p_world = cellsToPoint(plan, centre);
   return core::Pose2{p_world.x, p_world.y, 0};
 }
 

@@ -127,7 +127,7 @@ TEST_P(Buildings, LetTheRobotReachEveryPlace) {
       if (plan.cells[i] != world::Cell::kFree) continue;
       const int column = static_cast<int>(i % plan.columns), row = static_cast<int>(i / plan.columns);
       const core::Point2 centre{column + 0.5, row + 0.5};
-      admissible[i] = !world::discCollides(plan, world::cellsToWorld(plan, centre), kRobotRadius_m);
+      admissible[i] = !world::discCollides(plan, world::cellsToPoint(plan, centre), kRobotRadius_m);
     }
     EXPECT_EQ(unreachable(plan, [&](size_t i) { return admissible[i] != 0; }), 0) << "seed " << seed;
     EXPECT_TRUE(world::findStartPose(plan, 0.35)) << "seed " << seed;

@@ -39,7 +39,7 @@ std::vector<char> waysOf(const world::Plan& plan, double radius_m) {
   for (size_t i = 0; i < ways.size(); ++i) {
     const auto column = static_cast<int>(i) % plan.columns, row = static_cast<int>(i) / plan.columns;
     ways[i] = radius_m > 0
-                  ? !world::discCollides(plan, world::cellsToWorld(plan, {column + 0.5, row + 0.5}), radius_m)
+                  ? !world::discCollides(plan, world::cellsToPoint(plan, {column + 0.5, row + 0.5}), radius_m)
                   : plan.cells[i] != world::Cell::kOccupied;
   }
   return ways;

@@ -104,7 +104,7 @@ inline int roomsReached(const world::Plan& plan, const ArchitectPlan& drawn) {
   places = (clearance > 0.283 / plan.resolution_m + 0.5) & maskOf(plan, world::Cell::kFree);
   cv::Mat labels;
   cv::connectedComponents(places, labels, 4);
-  const core::Point2 cell = world::worldToCells(plan, core::position(*start));
+  const core::Point2 cell = world::pointToCells(plan, core::position(*start));
   const int home = labels.at<int>(plan.rows - 1 - static_cast<int>(cell.y), static_cast<int>(cell.x));
   int reached = 0;
   for (const auto& middle : ArchitectPlan::roomMiddles())

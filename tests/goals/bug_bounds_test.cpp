@@ -83,7 +83,7 @@ class GrownObstacles {
       if ((a > 0) == (b > 0)) return;
       const double s = a / (a - b);
       cuts.push_back(
-          {world::cellsToWorld(scene_.plan, {column + c0 + s * (c1 - c0), row + r0 + s * (r1 - r0)}),
+          {world::cellsToPoint(scene_.plan, {column + c0 + s * (c1 - c0), row + r0 + s * (r1 - r0)}),
            2 * corner(c0, r0) + (r0 != r1)});
     };
     cut(0, 0, 1, 0), cut(1, 0, 1, 1), cut(0, 0, 0, 1), cut(0, 1, 1, 1);

@@ -191,9 +191,9 @@ GoalScene mazeScene(std::uint64_t seed) {
       if (scene.plan.at(column, row) == world::Cell::kFree)
         low = std::min(low, column), high = std::max(high, column);
   // The middles of the first and of the last cell of the maze: passages are 26 cells wide.
-  const auto start = world::cellsToWorld(scene.plan, {low + 13.0, low + 13.0});
+  const auto start = world::cellsToPoint(scene.plan, {low + 13.0, low + 13.0});
   scene.start = {start.x, start.y, 0};
-  scene.goal = world::cellsToWorld(scene.plan, {high - 12.0, high - 12.0});
+  scene.goal = world::cellsToPoint(scene.plan, {high - 12.0, high - 12.0});
   return scene;
 }
 

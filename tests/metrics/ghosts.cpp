@@ -13,6 +13,7 @@ namespace {
 
 using core::Point2;
 using world::Cell;
+using world::CellMap;
 using world::Plan;
 
 /// An empty hall of 4 x 4 m within walls, of which all is seen.
@@ -32,16 +33,16 @@ SeenMask allSeen(const Plan& plan) {
   return seen;
 }
 
-void occupy(Plan& map, int column, int row) {
+void occupy(CellMap& map, int column, int row) {
   map.cells[static_cast<size_t>(row) * map.columns + column] = Cell::kOccupied;
 }
 
-double shareOf(const Plan& map, const std::vector<Point2>& people, const core::Pose2& T_world_map = {}) {
+double shareOf(const CellMap& map, const std::vector<Point2>& people, const core::Pose2& T_world_map = {}) {
   return ghostShare(hall(), allSeen(hall()), people, map, T_world_map, 0.1);
 }
 
 TEST(Ghosts, AreTheShareOfTheGroundUnderPeopleThatIsOccupied) {
-  Plan map = hall();
+  CellMap map = hall();
   EXPECT_DOUBLE_EQ(shareOf(map, {{2, 2}}), 0);
   occupy(map, 20, 20);
   // Of 0.1 m, 32 have their centre within 0.35 m of a corner between four of them.
@@ -53,7 +54,7 @@ TEST(Ghosts, AreTheShareOfTheGroundUnderPeopleThatIsOccupied) {
 }
 
 TEST(Ghosts, AreNoWallsThatAreDrawnALittleOff) {
-  Plan map = hall();
+  CellMap map = hall();
   for (int row = 0; row < map.rows; ++row) occupy(map, 1, row);
   EXPECT_DOUBLE_EQ(shareOf(map, {{0.3, 2}}), 0);
   for (int row = 0; row < map.rows; ++row) occupy(map, 2, row);
@@ -61,7 +62,7 @@ TEST(Ghosts, AreNoWallsThatAreDrawnALittleOff) {
 }
 
 TEST(Ghosts, AreLookedForWhereThePlanWasSeen) {
-  Plan map = hall();
+  CellMap map = hall();
   occupy(map, 20, 20);
   SeenMask seen = allSeen(hall());
   seen.free.assign(seen.free.size(), false);
@@ -72,7 +73,7 @@ TEST(Ghosts, AreLookedForWhereThePlanWasSeen) {
 }
 
 TEST(Ghosts, GoThroughTheAlignment) {
-  Plan map = hall();
+  CellMap map = hall();
   occupy(map, 20, 10);  // at (2.05, 1.05) in the map's frame
   // Turned by a quarter and moved by (3, 1): there (-1.05, 2.05) + (3, 1).
   const core::Pose2 T_world_map{3, 1, core::kPi / 2};
@@ -81,7 +82,7 @@ TEST(Ghosts, GoThroughTheAlignment) {
 }
 
 TEST(Ghosts, MayHaveSmallerCells) {
-  Plan fine = drawn(std::vector<std::string>(80, std::string(80, '.')), 0.05);
+  CellMap fine = drawn(std::vector<std::string>(80, std::string(80, '.')), 0.05);
   for (const int column : {40, 41})
     for (const int row : {40, 41}) occupy(fine, column, row);
   EXPECT_NEAR(shareOf(fine, {{2, 2}}), 1.0 / 32, 1e-9);

@@ -16,6 +16,7 @@ namespace {
 
 using core::kPi;
 using world::Cell;
+using world::CellMap;
 using world::Plan;
 
 using core::kNaN;
@@ -36,8 +37,8 @@ std::vector<std::string> picture(const SeenMask& seen) {
 }
 
 /// A map that knows exactly what was seen.
-Plan perfectMap(const Plan& plan, const SeenMask& seen) {
-  Plan map = plan;
+CellMap perfectMap(const Plan& plan, const SeenMask& seen) {
+  CellMap map = plan;
   for (size_t cell = 0; cell < map.cells.size(); ++cell)
     map.cells[cell] = seen.wall[cell] ? Cell::kOccupied : seen.free[cell] ? Cell::kFree : Cell::kUnknown;
   return map;
@@ -93,10 +94,10 @@ TEST(SeenCells, SeeThroughUnknownCellsWithoutCountingThem) {
 
 TEST(SeenCells, ArePlacedByThePlansPose) {
   Plan turned = kRoom;
-  turned.T_world_plan = {10, -4, 2.2};
+  turned.T_frame_raster = {10, -4, 2.2};
   core::Trajectory truth;
   for (const auto& p : {core::Pose2{0.25, 0.25, 0}, {0.75, 0.65, 0}, {0.25, 0.65, 0}, {0.75, 0.25, 0}})
-    truth.push_back({double(truth.size()), turned.T_world_plan * p});
+    truth.push_back({double(truth.size()), turned.T_frame_raster * p});
   EXPECT_EQ(picture(allRound(turned, truth)), picture(kRoomSeen()));
 }
 
@@ -129,12 +130,13 @@ TEST(SeenCells, LeaveOutPosesTooCloseToTheLastOneUsed) {
 TEST(SeenCells, EndWhereTheReferenceRayEnds) {
   core::RandomStream random(11, "seen");
   Plan plan = drawn(std::vector<std::string>(37, std::string(53, '.')), 0.05);
-  plan.T_world_plan = {1, 2, 0.7};
+  plan.T_frame_raster = {1, 2, 0.7};
   for (auto& cell : plan.cells)
     if (random.chance(0.03)) cell = Cell::kOccupied;
   int hits = 0;
   for (int i = 0; i < 3000; ++i) {
-    const core::Point2 p = plan.T_world_plan * core::Point2{random.uniform(0, 2.65), random.uniform(0, 1.85)};
+    const core::Point2 p =
+        plan.T_frame_raster * core::Point2{random.uniform(0, 2.65), random.uniform(0, 1.85)};
     const double angle = random.uniform(-4, 4);
     const double range_m = rays::castRay(plan, p, angle, 1.5);
     const auto seen = seenCells(plan, {{0, {p.x, p.y, angle}}}, {}, 0, 0.1, 1, 1.5);
@@ -145,7 +147,7 @@ TEST(SeenCells, EndWhereTheReferenceRayEnds) {
     ++hits;
     const auto cell = wall - seen.wall.begin(), column = cell % 53, row = cell / 53;
     const auto hit =
-        world::worldToCells(plan, {p.x + range_m * std::cos(angle), p.y + range_m * std::sin(angle)});
+        world::pointToCells(plan, {p.x + range_m * std::cos(angle), p.y + range_m * std::sin(angle)});
     // The hit lies on the face of the marked cell: within it but for rounding.
     EXPECT_NEAR(hit.x, double(column) + 0.5, 0.5 + kExact);
     EXPECT_NEAR(hit.y, double(row) + 0.5, 0.5 + kExact);
@@ -168,21 +170,21 @@ TEST(MapScore, KnowsAPerfectMapInAnotherFrameAndRaster) {
   // The map's raster is cut out of the plan's, drawn at half the cell size, and its frame is turned by 90
   // degrees and shifted; the plan itself is turned too.
   Plan plan = kRoom;
-  plan.T_world_plan = {3, 1, -0.8};
+  plan.T_frame_raster = {3, 1, -0.8};
   core::Trajectory truth;
   for (const auto& p : {core::Pose2{0.25, 0.25, 0}, {0.75, 0.65, 0}, {0.25, 0.65, 0}, {0.75, 0.25, 0}})
-    truth.push_back({double(truth.size()), plan.T_world_plan * p});
+    truth.push_back({double(truth.size()), plan.T_frame_raster * p});
   const auto seen = allRound(plan, truth);
-  const Plan perfect = perfectMap(plan, seen);
-  Plan map;
+  const CellMap perfect = perfectMap(plan, seen);
+  CellMap map;
   map.resolution_m = 0.05;
   map.columns = 16, map.rows = 14;  // columns 1 to 8 and rows 1 to 7 of the plan
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column)
       map.cells.push_back(perfect.at(1 + column / 2, 1 + row / 2));
-  map.T_world_plan = {-2, 5, 0.3};
-  const core::Pose2 T_world_raster = plan.T_world_plan * core::Pose2{0.1, 0.1, 0};
-  const core::Pose2 T_world_map = T_world_raster * core::inverse(map.T_world_plan);
+  map.T_frame_raster = {-2, 5, 0.3};
+  const core::Pose2 T_world_raster = plan.T_frame_raster * core::Pose2{0.1, 0.1, 0};
+  const core::Pose2 T_world_map = T_world_raster * core::inverse(map.T_frame_raster);
   const auto s = scoreMap(plan, seen, map, T_world_map, 0.04);
   EXPECT_EQ(s.occupied_precision, 1);  // a quarter cell's centre is 0.025 * sqrt(2) m from the whole one's
   EXPECT_EQ(s.occupied_recall, 1);
@@ -257,7 +259,7 @@ TEST(MapScore, PunishesWallsInsideABlockAndOnItsFarSide) {
 
 TEST(MapScore, OfAMapWithoutWallsHasNoPrecision) {
   const auto seen = kRoomSeen();
-  Plan map = kRoom;
+  CellMap map = kRoom;
   map.cells.assign(map.cells.size(), Cell::kUnknown);
   const auto unknown = scoreMap(kRoom, seen, map, {}, 0.1);
   EXPECT_TRUE(std::isnan(unknown.occupied_precision));

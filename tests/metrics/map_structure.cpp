@@ -15,10 +15,10 @@ namespace {
 
 using core::Point2;
 using world::Cell;
-using world::Plan;
+using world::CellMap;
 
-Plan field(double side_m, double resolution_m, Cell cell = Cell::kFree) {
-  Plan map;
+CellMap field(double side_m, double resolution_m, Cell cell = Cell::kFree) {
+  CellMap map;
   map.resolution_m = resolution_m;
   map.columns = map.rows = static_cast<int>(std::lround(side_m / resolution_m));
   map.cells.assign(static_cast<size_t>(map.columns) * static_cast<size_t>(map.rows), cell);
@@ -26,7 +26,7 @@ Plan field(double side_m, double resolution_m, Cell cell = Cell::kFree) {
 }
 
 /// A straight wall as a rasteriser would draw it: the cells whose centre is within half its thickness.
-void drawWall(Plan& map, const Point2& a, const Point2& b, double thickness_m) {
+void drawWall(CellMap& map, const Point2& a, const Point2& b, double thickness_m) {
   const double dx = b.x - a.x, dy = b.y - a.y;
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column) {
@@ -38,7 +38,8 @@ void drawWall(Plan& map, const Point2& a, const Point2& b, double thickness_m) {
     }
 }
 
-void drawRoom(Plan& map, const core::Pose2& T_map_room, double width_m, double height_m, double thickness_m) {
+void drawRoom(CellMap& map, const core::Pose2& T_map_room, double width_m, double height_m,
+              double thickness_m) {
   const std::vector<Point2> corners = {{-width_m / 2, -height_m / 2},
                                        {width_m / 2, -height_m / 2},
                                        {width_m / 2, height_m / 2},
@@ -48,8 +49,8 @@ void drawRoom(Plan& map, const core::Pose2& T_map_room, double width_m, double h
 }
 
 /// The map turned by a quarter.
-Plan turned(const Plan& map) {
-  Plan result = map;
+CellMap turned(const CellMap& map) {
+  CellMap result = map;
   std::swap(result.columns, result.rows);
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column)
@@ -58,8 +59,8 @@ Plan turned(const Plan& map) {
   return result;
 }
 
-Plan mirrored(const Plan& map) {
-  Plan result = map;
+CellMap mirrored(const CellMap& map) {
+  CellMap result = map;
   for (int row = 0; row < map.rows; ++row) {
     const auto begin = result.cells.begin() + static_cast<std::ptrdiff_t>(row) * map.columns;
     std::reverse(begin, begin + map.columns);
@@ -84,12 +85,12 @@ TEST(MapStructure, CountsCornersEndsAndCrossingsOfWallsAtAnyAngle) {
                      << resolution_m << " m, " << thickness_cells << " cells, " << angle_deg << " deg");
         const core::Pose2 T{5.012, 4.987, core::degToRad(angle_deg)};
         const double thickness_m = thickness_cells * resolution_m;
-        Plan room = field(10, resolution_m);
+        CellMap room = field(10, resolution_m);
         drawRoom(room, T, 4, 4, thickness_m);
         EXPECT_EQ(mapStructure(room).corners, 4U);
         EXPECT_EQ(mapStructure(room).enclosed_areas, 1U);
 
-        Plan walls = field(10, resolution_m);
+        CellMap walls = field(10, resolution_m);
         drawWall(walls, T * Point2{-3, 0}, T * Point2{3, 0}, thickness_m);
         EXPECT_EQ(mapStructure(walls).corners, 2U);  // its ends
         drawWall(walls, T * Point2{0, 0}, T * Point2{0, 3}, thickness_m);
@@ -102,9 +103,9 @@ TEST(MapStructure, CountsCornersEndsAndCrossingsOfWallsAtAnyAngle) {
 
 // What the measures are for: a second visit drawn 1 m and 4 degrees off.
 TEST(MapStructure, GrowsInEveryMeasureWhenARoomIsDrawnTwice) {
-  Plan once = field(12, 0.05, Cell::kFree);
+  CellMap once = field(12, 0.05, Cell::kFree);
   drawRoom(once, {6, 6, 0.1}, 6, 4, 0.1);
-  Plan twice = once;
+  CellMap twice = once;
   drawRoom(twice, {7, 6.8, 0.17}, 6, 4, 0.1);
   const auto clean = mapStructure(once), blurred = mapStructure(twice);
   EXPECT_GT(blurred.occupied_share, 1.5 * clean.occupied_share);
@@ -114,7 +115,7 @@ TEST(MapStructure, GrowsInEveryMeasureWhenARoomIsDrawnTwice) {
 
 // What they cannot see, as the header says.
 TEST(MapStructure, IsBlindToAMapThatIsBentAsAWhole) {
-  Plan straight = field(12, 0.05), bent = field(12, 0.05);
+  CellMap straight = field(12, 0.05), bent = field(12, 0.05);
   drawRoom(straight, {6, 6, 0}, 8, 4, 0.11);
   for (const auto& [a, b] : std::vector<std::pair<Point2, Point2>>{
            {{2, 3}, {10, 4}}, {{10, 4}, {10, 8}}, {{10, 8}, {2, 9}}, {{2, 9}, {2, 3}}})
@@ -127,7 +128,7 @@ TEST(MapStructure, IsBlindToAMapThatIsBentAsAWhole) {
 
 TEST(MapStructure, TakesNoSpeckForACorner) {
   const auto block = [](int cells) {
-    Plan map = field(3, 0.1);
+    CellMap map = field(3, 0.1);
     for (int row = 10; row < 10 + cells; ++row)
       for (int column = 10; column < 10 + cells; ++column)
         map.cells[static_cast<size_t>(row) * 30 + static_cast<size_t>(column)] = Cell::kOccupied;
@@ -151,7 +152,7 @@ TEST(MapStructure, CountsAreasShutInButForTheLargestAndForSlivers) {
 TEST(MapStructure, IsTheSameForATurnedAMirroredAndAPaddedMap) {
   core::RandomStream random(7, "walls");
   for (int scene = 0; scene < 5; ++scene) {
-    Plan map = field(7, 0.05, Cell::kUnknown);
+    CellMap map = field(7, 0.05, Cell::kUnknown);
     map.rows -= 20;
     map.cells.resize(static_cast<size_t>(map.rows) * static_cast<size_t>(map.columns));
     for (int i = 0; i < 3000; ++i)
@@ -162,17 +163,17 @@ TEST(MapStructure, IsTheSameForATurnedAMirroredAndAPaddedMap) {
                {random.uniform(0, 7), random.uniform(0, 6)}, random.uniform(0.07, 0.2));
     const auto expected = mapStructure(map);
     EXPECT_GT(expected.corners, 10U);
-    Plan other = map;
+    CellMap other = map;
     for (int quarter = 0; quarter < 4; ++quarter) {
       other = turned(other);
-      for (const Plan& image : {other, mirrored(other)}) {
+      for (const CellMap& image : {other, mirrored(other)}) {
         EXPECT_EQ(mapStructure(image).occupied_share, expected.occupied_share);
         EXPECT_EQ(mapStructure(image).corners, expected.corners);
         EXPECT_EQ(mapStructure(image).enclosed_areas, expected.enclosed_areas);
       }
     }
     // 37 columns of padding also move every wall against the tiles that the corners are sought in.
-    Plan padded = field(9, 0.05, Cell::kUnknown);
+    CellMap padded = field(9, 0.05, Cell::kUnknown);
     for (int row = 0; row < map.rows; ++row)
       for (int column = 0; column < map.columns; ++column)
         padded.cells[static_cast<size_t>(row + 21) * static_cast<size_t>(padded.columns) +
@@ -183,7 +184,7 @@ TEST(MapStructure, IsTheSameForATurnedAMirroredAndAPaddedMap) {
 }
 
 TEST(MapStructure, OfAMapThatKnowsNothingIsNothing) {
-  for (const Plan& map : {Plan{}, drawn({"??", "??"})}) {
+  for (const CellMap& map : {CellMap{}, CellMap(drawn({"??", "??"}))}) {
     EXPECT_TRUE(std::isnan(mapStructure(map).occupied_share));
     EXPECT_EQ(mapStructure(map).corners, 0U);
     EXPECT_EQ(mapStructure(map).enclosed_areas, 0U);

@@ -18,7 +18,7 @@ namespace {
 
 using core::kPi;
 using core::Point2;
-using world::Plan;
+using world::CellMap;
 
 using core::kNaN;
 constexpr double kExact = 1e-9;  // a few operations on coordinates of metres
@@ -178,7 +178,7 @@ TEST(PointSharpness, PassesOverPointsThatLieNowhere) {
   EXPECT_EQ(pointSharpness(points).mean_map_entropy, expected);
 }
 
-ScanAgreement agreementOf(const Plan& map, const core::Pose2& T_map_lidar,
+ScanAgreement agreementOf(const CellMap& map, const core::Pose2& T_map_lidar,
                           const std::vector<Point2>& returns) {
   PlacedScans scans(map);
   scans.add(T_map_lidar, returns);
@@ -186,7 +186,7 @@ ScanAgreement agreementOf(const Plan& map, const core::Pose2& T_map_lidar,
 }
 
 TEST(PlacedScans, AreOnAWallWithinTheReachOfAnOccupiedCellsCentre) {
-  const Plan map = drawn({"..........#........."});  // the wall's centre is at 1.05 m
+  const CellMap map = drawn({"..........#........."});  // the wall's centre is at 1.05 m
   const core::Pose2 lidar{0.05, 0.05, 0};
   for (const auto& [range_m, expected] :
        std::vector<std::pair<double, double>>{{1.0, 1}, {0.9, 1}, {0.899, 0}, {1.1, 1}, {1.101, 0}, {0.5, 0}})
@@ -199,7 +199,7 @@ TEST(PlacedScans, AreOnAWallWithinTheReachOfAnOccupiedCellsCentre) {
 
 TEST(PlacedScans, GoThroughAWallWhenTheyComeOutOfItAgain) {
   const core::Pose2 lidar{0.05, 0.05, 0};
-  const Plan two_walls =
+  const CellMap two_walls =
       drawn({".....#...#...."});  // faces at 0.5 and 0.9 m; 0.3 m of free space between them
   EXPECT_EQ(agreementOf(two_walls, lidar, {{0.5, 0}}).through_wall_share, 0);
   EXPECT_EQ(agreementOf(two_walls, lidar, {{0.9, 0}}).through_wall_share, 1);
@@ -213,10 +213,10 @@ TEST(PlacedScans, GoThroughAWallWhenTheyComeOutOfItAgain) {
 }
 
 TEST(PlacedScans, SkimmingAWallIsNotGoingThroughIt) {
-  const Plan corridor = drawn({"####################",  //
-                               "....................",  //
-                               "....................",  //
-                               "####################"});
+  const CellMap corridor = drawn({"####################",  //
+                                  "....................",  //
+                                  "....................",  //
+                                  "####################"});
   // 0.15 m below the upper wall, along 1.6 m: the beam ends inside the wall's cells, which it enters before
   // its end.
   const core::Pose2 lidar{0.05, 0.15, 0};
@@ -226,11 +226,11 @@ TEST(PlacedScans, SkimmingAWallIsNotGoingThroughIt) {
 }
 
 TEST(PlacedScans, AreTheSameTurnedAndMirrored) {
-  const Plan map = drawn({"....#....#..", "....#....#..", "....#....#.."});
+  const CellMap map = drawn({"....#....#..", "....#....#..", "....#....#.."});
   const core::Pose2 T_turn{3, -2, 2.1};
-  Plan turned = map;
-  turned.T_world_plan = T_turn;
-  Plan upside_down = map;
+  CellMap turned = map;
+  turned.T_frame_raster = T_turn;
+  CellMap upside_down = map;
   std::reverse(upside_down.cells.begin(), upside_down.cells.end());
   const std::vector<Point2> returns = {{0.3, 0.02}, {0.85, 0.05}, {0.6, 0}, {0.88, -0.03}};
   const core::Pose2 lidar{0.1, 0.15, 0};
@@ -245,7 +245,7 @@ TEST(PlacedScans, AreTheSameTurnedAndMirrored) {
 }
 
 TEST(PlacedScans, FromOnePlaceCountOnce) {
-  const Plan map = drawn({"..........#"});
+  const CellMap map = drawn({"..........#"});
   PlacedScans scans(map);
   const std::vector<Point2> returns = {{0.5, 0}};
   scans.add({0.05, 0.05, 0}, returns);
@@ -261,7 +261,7 @@ TEST(PlacedScans, FromOnePlaceCountOnce) {
 }
 
 TEST(PlacedScans, OutsideTheMapCountForTheSharpnessOnly) {
-  const Plan map = drawn({"...", "..."});
+  const CellMap map = drawn({"...", "..."});
   PlacedScans scans(map);
   EXPECT_TRUE(std::isnan(scans.agreement().on_wall_share));
   EXPECT_TRUE(std::isnan(scans.agreement().through_wall_share));
@@ -274,14 +274,14 @@ TEST(PlacedScans, OutsideTheMapCountForTheSharpnessOnly) {
 }
 
 TEST(PlacedScans, HaveNothingToSayOfAnEmptyMap) {
-  const Plan nothing;
+  const CellMap nothing;
   PlacedScans scans(nothing);
   scans.add({0, 0, 0}, {{1, 0}});
   EXPECT_EQ(scans.agreement().returns, 0U);
 }
 
 /// Two lidars, one before a wall and one in the open, every 0.2 m along a corridor; 2 returns each.
-PlacedScans placedAlong(const Plan& corridor, int steps, std::size_t most_points) {
+PlacedScans placedAlong(const CellMap& corridor, int steps, std::size_t most_points) {
   PlacedScans scans(corridor, most_points);
   for (int i = 0; i < steps; ++i) {
     const double x = 0.05 + 0.2 * i;
@@ -292,7 +292,7 @@ PlacedScans placedAlong(const Plan& corridor, int steps, std::size_t most_points
 }
 
 TEST(PlacedScans, OfALongDriveAreHalvedEvenlyOverTheDriveAndTheLidars) {
-  const Plan corridor = drawn({std::string(2100, '.'), std::string(2100, '.'), std::string(2100, '#')});
+  const CellMap corridor = drawn({std::string(2100, '.'), std::string(2100, '.'), std::string(2100, '#')});
   const auto all = placedAlong(corridor, 1000, 4000);
   EXPECT_EQ(all.points().size(), 4000U);
   EXPECT_EQ(all.halvings(), 0);
@@ -311,7 +311,7 @@ TEST(PlacedScans, OfALongDriveAreHalvedEvenlyOverTheDriveAndTheLidars) {
 }
 
 TEST(PlacedScans, KeepOneScanHoweverManyReturnsItHas) {
-  const Plan corridor = drawn({"..........", "..........", "##########"});
+  const CellMap corridor = drawn({"..........", "..........", "##########"});
   const auto one = placedAlong(corridor, 4, 1);
   EXPECT_EQ(one.points().size(), 2U);
   EXPECT_EQ(one.points().front().x, placedAlong(corridor, 1, 100).points().front().x);

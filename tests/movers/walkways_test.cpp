@@ -49,7 +49,7 @@ TEST(Walkways, LetNobodyStandWhereTheDiscCollides) {
       ASSERT_EQ(plan.at(column, row), world::Cell::kFree);
     } else if (plan.contains(column, row) && plan.at(column, row) == world::Cell::kFree) {
       // Half a diagonal round the centre is given away, and at the plan's edge up to two cells.
-      const core::Point2 centre = world::cellsToWorld(plan, {column + 0.5, row + 0.5});
+      const core::Point2 centre = world::cellsToPoint(plan, {column + 0.5, row + 0.5});
       const int margin = static_cast<int>(kRadius_m / plan.resolution_m) + 2;
       const bool is_at_edge =
           column < margin || row < margin || column >= plan.columns - margin || row >= plan.rows - margin;
@@ -94,7 +94,7 @@ TEST(Walkways, AfterADoorHasMovedAreThoseOfTheNewPlan) {
     const Walkways fresh(plan, kRadius_m, 1, {3, 3});
     for (int row = 0; row < plan.rows; ++row)
       for (int column = 0; column < plan.columns; ++column) {
-        const core::Point2 p = world::cellsToWorld(plan, {column + 0.5, row + 0.5});
+        const core::Point2 p = world::cellsToPoint(plan, {column + 0.5, row + 0.5});
         ASSERT_EQ(walkways.canStand(p), fresh.canStand(p)) << column << " " << row;
       }
     // The way through is still known; only walking it has become impossible.

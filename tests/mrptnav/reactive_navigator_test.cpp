@@ -23,7 +23,7 @@ Plan room(double width_m, double height_m) {
   plan.name = "room";
   plan.columns = static_cast<int>(std::lround(width_m / plan.resolution_m)) + 4;
   plan.rows = static_cast<int>(std::lround(height_m / plan.resolution_m)) + 4;
-  plan.T_world_plan = {-2 * plan.resolution_m, -2 * plan.resolution_m, 0};
+  plan.T_frame_raster = {-2 * plan.resolution_m, -2 * plan.resolution_m, 0};
   plan.cells.assign(static_cast<size_t>(plan.columns) * plan.rows, Cell::kOccupied);
   for (int row = 2; row < plan.rows - 2; ++row)
     for (int column = 2; column < plan.columns - 2; ++column)
@@ -32,7 +32,7 @@ Plan room(double width_m, double height_m) {
 }
 
 void wall(Plan& plan, double x0, double y0, double x1, double y1) {
-  const auto low = world::worldToCells(plan, {x0, y0}), high = world::worldToCells(plan, {x1, y1});
+  const auto low = world::pointToCells(plan, {x0, y0}), high = world::pointToCells(plan, {x1, y1});
   for (long row = std::lround(low.y); row < std::lround(high.y); ++row)
     for (long column = std::lround(low.x); column < std::lround(high.x); ++column)
       plan.cells[static_cast<size_t>(row) * plan.columns + column] = Cell::kOccupied;

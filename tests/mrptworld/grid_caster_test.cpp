@@ -173,7 +173,7 @@ TEST(GridCaster, KeepsThePlacementOfTheGrid) {
   const world::Plan plan = toPlan(grid);
   EXPECT_EQ(plan.columns, 100);
   EXPECT_EQ(plan.rows, 80);
-  EXPECT_NEAR(plan.T_world_plan.x, -3, 1e-6);
+  EXPECT_NEAR(plan.T_frame_raster.x, -3, 1e-6);
   EXPECT_EQ(plan.at(61, 25), world::Cell::kUnknown);
   EXPECT_EQ(plan.at(0, 5), world::Cell::kOccupied);
   EXPECT_EQ(plan.at(50, 79), world::Cell::kOccupied);

@@ -20,7 +20,7 @@ size_t index(const Plan& plan, int column, int row) {
 /// 1 for the floor that is 4-connected with p_world.
 std::vector<char> connectedFloor(const Plan& plan, const core::Point2& p_world) {
   std::vector<char> floor(plan.cells.size(), 0);
-  const auto p = world::worldToCells(plan, p_world);
+  const auto p = world::pointToCells(plan, p_world);
   std::vector<std::pair<int, int>> open = {{static_cast<int>(p.x), static_cast<int>(p.y)}};
   floor[index(plan, open[0].first, open[0].second)] = 1;
   while (!open.empty()) {
@@ -40,10 +40,10 @@ std::vector<char> connectedFloor(const Plan& plan, const core::Point2& p_world) 
 void markSeen(const Plan& plan, const core::Pose2& T_world_robot, const lidar::Scan& scan,
               std::vector<char>& seen) {
   const core::Pose2 T_world_lidar = T_world_robot * scan.T_robot_lidar;
-  const auto origin = world::worldToCells(plan, core::position(T_world_lidar));
+  const auto origin = world::pointToCells(plan, core::position(T_world_lidar));
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     if (!lidar::isReturn(scan.ranges_m[i])) continue;
-    const double angle = T_world_lidar.phi + scan.angle(i) - plan.T_world_plan.phi;
+    const double angle = T_world_lidar.phi + scan.angle(i) - plan.T_frame_raster.phi;
     const double c = std::cos(angle), s = std::sin(angle), end = scan.ranges_m[i] / plan.resolution_m;
     for (double r = 0; r < end; r += 0.5) {
       const int column = static_cast<int>(origin.x + r * c), row = static_cast<int>(origin.y + r * s);
@@ -65,14 +65,14 @@ Plan room(double width_m, double height_m) {
   plan.name = "room";
   plan.columns = static_cast<int>(std::lround(width_m / plan.resolution_m)) + 4;
   plan.rows = static_cast<int>(std::lround(height_m / plan.resolution_m)) + 4;
-  plan.T_world_plan = {-2 * plan.resolution_m, -2 * plan.resolution_m, 0};
+  plan.T_frame_raster = {-2 * plan.resolution_m, -2 * plan.resolution_m, 0};
   plan.cells.assign(static_cast<size_t>(plan.columns) * plan.rows, Cell::kOccupied);
   fill(plan, 0, 0, width_m, height_m, Cell::kFree);
   return plan;
 }
 
 void fill(Plan& plan, double x0, double y0, double x1, double y1, Cell cell) {
-  const auto low = world::worldToCells(plan, {x0, y0}), high = world::worldToCells(plan, {x1, y1});
+  const auto low = world::pointToCells(plan, {x0, y0}), high = world::pointToCells(plan, {x1, y1});
   for (int row = static_cast<int>(std::lround(low.y)); row < std::lround(high.y); ++row)
     for (int column = static_cast<int>(std::lround(low.x)); column < std::lround(high.x); ++column)
       plan.cells[index(plan, column, row)] = cell;
@@ -151,16 +151,16 @@ std::vector<std::string> maplessStrategies() {
 PerfectMap::PerfectMap(const Plan& plan) : plan_(plan) {
   raster_.columns = plan.columns, raster_.rows = plan.rows;
   raster_.resolution_m = plan.resolution_m;
-  raster_.x_min_m = plan.T_world_plan.x, raster_.y_min_m = plan.T_world_plan.y;
+  raster_.x_min_m = plan.T_frame_raster.x, raster_.y_min_m = plan.T_frame_raster.y;
   raster_.occupancy.assign(plan.cells.size(), 0.5F);
 }
 
 void PerfectMap::insert(const core::Pose2& T_world_robot, const lidar::Scan& scan) {
   const core::Pose2 T_world_lidar = T_world_robot * scan.T_robot_lidar;
-  const auto origin = world::worldToCells(plan_, core::position(T_world_lidar));
+  const auto origin = world::pointToCells(plan_, core::position(T_world_lidar));
   const double end = scan.max_range_m / plan_.resolution_m;
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    const double angle = T_world_lidar.phi + scan.angle(i) - plan_.T_world_plan.phi;
+    const double angle = T_world_lidar.phi + scan.angle(i) - plan_.T_frame_raster.phi;
     const double c = std::cos(angle), s = std::sin(angle);
     for (double r = 0; r < end; r += 0.5) {
       const int column = static_cast<int>(origin.x + r * c), row = static_cast<int>(origin.y + r * s);

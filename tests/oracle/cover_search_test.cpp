@@ -27,7 +27,7 @@ struct Hall {
       : plan(drawn()), graph(plan, {4.05, 3.05}, 0.2, 2) {
     views.node.push_back(0);
     for (const auto& p : places) {
-      const auto cell = world::worldToCells(plan, p);
+      const auto cell = world::pointToCells(plan, p);
       views.node.push_back(graph.nodeAt(static_cast<size_t>(cell.y) * 80 + static_cast<size_t>(cell.x)));
     }
     for (const std::uint64_t word : seen) views.seen.push_back({word});

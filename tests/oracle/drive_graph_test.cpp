@@ -25,7 +25,7 @@ world::Plan hall(int columns, int rows, int wall_at = -1, int gap = 0) {
 
 /// The node of the block at a place.
 Node nodeAt(const DriveGraph& graph, const world::Plan& plan, double x, double y) {
-  const auto cell = world::worldToCells(plan, {x, y});
+  const auto cell = world::pointToCells(plan, {x, y});
   return graph.nodeAt(static_cast<size_t>(cell.y) * static_cast<size_t>(plan.columns) +
                       static_cast<size_t>(cell.x));
 }

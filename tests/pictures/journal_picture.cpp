@@ -15,13 +15,13 @@ namespace {
 
 using core::kNaN;
 
-world::Plan room() {
-  world::Plan plan;
-  plan.columns = plan.rows = 100;
-  plan.resolution_m = 0.1;
-  plan.cells.assign(10000, world::Cell::kFree);
-  for (size_t i = 0; i < 100; ++i) plan.cells[i] = plan.cells[9900 + i] = world::Cell::kOccupied;
-  return plan;
+world::CellMap room() {
+  world::CellMap map;
+  map.columns = map.rows = 100;
+  map.resolution_m = 0.1;
+  map.cells.assign(10000, world::Cell::kFree);
+  for (size_t i = 0; i < 100; ++i) map.cells[i] = map.cells[9900 + i] = world::Cell::kOccupied;
+  return map;
 }
 
 core::Trajectory straight() {
@@ -88,7 +88,7 @@ TEST_F(JournalPicture, AnUnknownEventIsAMark) {
 TEST_F(JournalPicture, NothingIsAPictureTooAndTheSameInputGivesTheSameBytes) {
   drawJournal(room(), {}, {}, "nothing", folder_ / "a.png");
   EXPECT_FALSE(cv::imread(folder_ / "a.png").empty());
-  drawJournal(world::Plan{}, {}, {at(0, "optimised", kNaN)}, "no map", folder_ / "b.png");
+  drawJournal(world::CellMap{}, {}, {at(0, "optimised", kNaN)}, "no map", folder_ / "b.png");
   EXPECT_FALSE(cv::imread(folder_ / "b.png").empty());
   const std::vector<core::JournalLine> events = {at(3, "optimised", 100), at(60, "optimised", 250),
                                                  at(61, "resampled", 0.4)};

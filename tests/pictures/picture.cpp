@@ -56,7 +56,7 @@ TEST(Pictures, HaveTheSameBytesForTheSameInput) {
   scan.first_angle_rad = -1, scan.step_rad = 0.1, scan.max_range_m = 5;
   scan.ranges_m = {1, 2, lidar::kNoReturn, lidar::kLostReading, 3};
   for (const std::string name : {"a", "b"}) {
-    drawPlan(plan, {{straight(1, 7, 2), "true path", true}}, "Room", folder / (name + "plan.png"));
+    drawMap(plan, {{straight(1, 7, 2), "true path", true}}, "Room", folder / (name + "plan.png"));
     drawDifference(plan, plan, {0.3, 0, 0}, "Room", folder / (name + "difference.png"));
     drawPanels({{"icp", "ATE 0.1 m", plan, {}, {{straight(1, 7, 2), "icp"}}}},
                folder / (name + "panels.png"));
@@ -67,13 +67,13 @@ TEST(Pictures, HaveTheSameBytesForTheSameInput) {
               resources::fileSha256(folder / ("b" + kind + ".png")));
 }
 
-TEST(DrawPlan, ShowsWallsFreeSpaceAndPathsInTheirPlaces) {
+TEST(DrawMap, ShowsWallsFreeSpaceAndPathsInTheirPlaces) {
   const TempFolder folder;
   auto plan = room();
   for (int row = 66; row < 72; ++row)  // a pillar at (6, 3.45)
     for (int column = 117; column < 123; ++column)
       plan.cells[static_cast<size_t>(row) * 160 + column] = Cell::kOccupied;
-  drawPlan(
+  drawMap(
       plan,
       {{straight(1, 7, 3), "first"}, {straight(1, 7, 1), "true path", true}, {straight(1, 7, 2), "second"}},
       "Room", folder / "plan.png");
@@ -103,35 +103,35 @@ TEST(DrawPlan, ShowsWallsFreeSpaceAndPathsInTheirPlaces) {
   EXPECT_GT(free, 100);
 }
 
-TEST(DrawPlan, DrawsTheTruthAsDashesOverTheEstimates) {
+TEST(DrawMap, DrawsTheTruthAsDashesOverTheEstimates) {
   const TempFolder folder;
-  drawPlan(room(), {{straight(1, 7, 2), "estimate"}, {straight(1, 7, 2), "truth", true}}, "",
-           folder / "plan.png");
+  drawMap(room(), {{straight(1, 7, 2), "estimate"}, {straight(1, 7, 2), "truth", true}}, "",
+          folder / "plan.png");
   const auto image = load(folder / "plan.png");
   // 6 m of about 145 pixels each; half of them lie under a dash, whose edges are mixed with what lies below.
   EXPECT_GT(countOf(image, draw::lineColours()[0]), 800);
   EXPECT_GT(countOf(image, draw::kInk), 200);
-  drawPlan(room(), {{straight(1, 7, 2), "truth", true}}, "", folder / "alone.png");
+  drawMap(room(), {{straight(1, 7, 2), "truth", true}}, "", folder / "alone.png");
   EXPECT_GT(countOf(load(folder / "alone.png"), draw::kTruthPath), 4 * 800)
       << "nothing lies below: it is broad";
 }
 
-TEST(DrawPlan, DashesEndWhereAPoseIsNotFinite) {
+TEST(DrawMap, DashesEndWhereAPoseIsNotFinite) {
   const TempFolder folder;
   auto broken = straight(1, 7, 2);
   for (auto& stamped : broken)
     if (stamped.pose.x > 2 && stamped.pose.x < 6) stamped.pose.x = std::nan("");
   const auto inkOf = [&](const core::Trajectory& truth) {
-    drawPlan(room(), {{straight(1, 7, 3), "estimate"}, {truth, "truth", true}}, "", folder / "plan.png");
+    drawMap(room(), {{straight(1, 7, 3), "estimate"}, {truth, "truth", true}}, "", folder / "plan.png");
     return countOf(load(folder / "plan.png"), draw::kInk);
   };
   const int legend = inkOf({});
   EXPECT_LT(inkOf(broken) - legend, 0.6 * (inkOf(straight(1, 7, 2)) - legend));
 }
 
-TEST(DrawPlan, APathOfBlackIsSeenOnWalls) {
+TEST(DrawMap, APathOfBlackIsSeenOnWalls) {
   const TempFolder folder;
-  drawPlan(room(), {{straight(1, 7, 2), "naive"}}, "", folder / "plan.png");
+  drawMap(room(), {{straight(1, 7, 2), "naive"}}, "", folder / "plan.png");
   EXPECT_EQ(countOf(load(folder / "plan.png"), {0, 0, 0}), 0);
 }
 
@@ -148,22 +148,22 @@ TEST(PathPanels, ShowEveryPathByItselfWithTheTruth) {
   }
 }
 
-TEST(DrawPlan, FollowsAPlanThatIsTurned) {
+TEST(DrawMap, FollowsAPlanThatIsTurned) {
   const TempFolder folder;
   auto turned = room();
-  turned.T_world_plan = {100, 50, core::kPi / 2};
-  drawPlan(turned, {}, "", folder / "turned.png");
+  turned.T_frame_raster = {100, 50, core::kPi / 2};
+  drawMap(turned, {}, "", folder / "turned.png");
   const auto image = load(folder / "turned.png");
   const auto walls = extentOf(image, draw::kWall);
   EXPECT_NEAR(walls.height, 2.0 * walls.width, 6);  // now taller than wide
 }
 
-TEST(DrawPlan, SurvivesPathsThatAreEmptyShortNotFiniteOrFarAway) {
+TEST(DrawMap, SurvivesPathsThatAreEmptyShortNotFiniteOrFarAway) {
   const TempFolder folder;
   auto broken = straight(1, 7, 2);
   broken[10].pose.x = std::nan("");
   broken[20].pose.x = 1e300;
-  drawPlan(
+  drawMap(
       room(),
       {{{}, "empty"}, {{{0, {2, 2, 0}}}, "one pose"}, {broken, "broken"}, {straight(1e6, 2e6, 0), "far"}},
       "A title that is far longer than the picture is wide, so that it has to be cut somewhere near its end, "
@@ -175,18 +175,18 @@ TEST(DrawPlan, SurvivesPathsThatAreEmptyShortNotFiniteOrFarAway) {
             1000);  // the far path is cut: the room still fills the picture
 }
 
-TEST(DrawPlan, BreaksAPathWhereAPoseIsNotFinite) {
+TEST(DrawMap, BreaksAPathWhereAPoseIsNotFinite) {
   const TempFolder folder;
   auto broken = straight(1, 7, 2);
   for (size_t i = 5; i < 15; ++i) broken[i].pose.y = std::nan("");
-  drawPlan(room(), {{straight(1, 7, 2), "whole"}}, "", folder / "whole.png");
-  drawPlan(room(), {{broken, "broken"}}, "", folder / "broken.png");
+  drawMap(room(), {{straight(1, 7, 2), "whole"}}, "", folder / "whole.png");
+  drawMap(room(), {{broken, "broken"}}, "", folder / "broken.png");
   const double whole = countOf(load(folder / "whole.png"), draw::lineColours()[0]);
   // 9 of 20 segments remain, and the sample in the legend.
   EXPECT_NEAR(countOf(load(folder / "broken.png"), draw::lineColours()[0]) / whole, 9.0 / 20, 0.07);
 }
 
-TEST(DrawPlan, KeepsThinWallsOfALargePlan) {
+TEST(DrawMap, KeepsThinWallsOfALargePlan) {
   const TempFolder folder;
   world::Plan large;
   large.columns = 4000, large.rows = 2001;
@@ -194,7 +194,7 @@ TEST(DrawPlan, KeepsThinWallsOfALargePlan) {
   for (int column = 0; column < 4000; ++column)
     for (const int row : {0, 1000, 2000})
       large.cells[static_cast<size_t>(row) * 4000 + column] = Cell::kOccupied;
-  drawPlan(large, {}, "", folder / "large.png");
+  drawMap(large, {}, "", folder / "large.png");
   const auto image = load(folder / "large.png");
   int dark_rows = 0;
   for (int y = 0; y < image.rows - 60; ++y) dark_rows += image.at<cv::Vec3b>(y, image.cols / 2)[0] < 150;
@@ -350,7 +350,7 @@ TEST(Pictures, ThatCannotBeWrittenAreAnErrorAndLeaveNothing) {
   const TempFolder folder;
   const auto path = folder / "missing/plan.png";
   try {
-    drawPlan(room(), {}, "", path);
+    drawMap(room(), {}, "", path);
     FAIL() << "expected an error";
   } catch (const core::IoError& e) {
     EXPECT_EQ(std::string(e.what()).rfind(path + ": cannot be written: ", 0), 0U) << e.what();

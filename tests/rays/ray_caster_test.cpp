@@ -272,26 +272,26 @@ TEST(RayCaster, TurnsAndShiftsWithThePlan) {
   core::RandomStream random(8, "placed");
   int ties = 0;
   for (int i = 0; i < 20000; ++i) {
-    placed.T_world_plan = {random.uniform(-50, 50), random.uniform(-50, 50), random.uniform(-4, 4)};
+    placed.T_frame_raster = {random.uniform(-50, 50), random.uniform(-50, 50), random.uniform(-4, 4)};
     const core::Point2 p_plan{random.uniform(0, 4.5), random.uniform(0, 6)};
     const double angle_rad = random.uniform(-kPi, kPi);
     const double expected = castRay(still, p_plan, angle_rad, 3);
     const double found =
-        castRay(placed, placed.T_world_plan * p_plan, angle_rad + placed.T_world_plan.phi, 3);
+        castRay(placed, placed.T_frame_raster * p_plan, angle_rad + placed.T_frame_raster.phi, 3);
     // 1e-14 of rounding in a coordinate of 50 m, stretched where a ray grazes a face.
     ties += !sameRange(expected, found, 1e-9);
   }
   EXPECT_LE(ties, 2) << "rays within 1e-13 of a corner or of the maximum range";
 
   placed = room();
-  placed.T_world_plan = {10, -5, kPi / 2};  // the plan's x axis points along the world's y axis
+  placed.T_frame_raster = {10, -5, kPi / 2};  // the plan's x axis points along the world's y axis
   EXPECT_NEAR(castRay(placed, {10 - 1.5, -5 + 1.5}, kPi / 2, 0), 5.5, 1e-12);
   EXPECT_NEAR(castRay(placed, {10 - 1.5, -5 + 1.5}, kPi, 0), 3.5, 1e-12);
 }
 
 TEST(RayCaster, CastsAScanBeamByBeam) {
   world::Plan plan = world::scatteredPlan(100, 100, 6, 40);
-  plan.T_world_plan = {-1, 2, 0.3};
+  plan.T_frame_raster = {-1, 2, 0.3};
   const core::Pose2 T_world_lidar{0.5, 4.5, 1.2};
   std::vector<float> ranges(3, -1.0F);
   castScan(plan, T_world_lidar, {-2, 0.01, 400}, 1.5, ranges);

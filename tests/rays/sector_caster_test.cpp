@@ -102,13 +102,13 @@ class Comparison {
 
 world::Plan placedPlan(int columns, int rows, std::uint64_t seed, int one_in) {
   world::Plan plan = world::scatteredPlan(columns, rows, seed, one_in);
-  plan.T_world_plan = {3, -2, 0.7};
+  plan.T_frame_raster = {3, -2, 0.7};
   return plan;
 }
 
 /// In a wall, in the open or just outside.
 core::Point2 anyPoint(core::RandomStream& random, const world::Plan& plan) {
-  return world::cellsToWorld(
+  return world::cellsToPoint(
       plan, {random.uniform(-0.5, plan.columns + 0.5), random.uniform(-0.5, plan.rows + 0.5)});
 }
 
@@ -259,7 +259,7 @@ TEST(SectorCaster, AnswersInfinityForAPoseThatIsNotFiniteOrOutside) {
 TEST(SectorCaster, DecidesTiesAtCornersInAScanAsTheReferenceDoes) {
   world::Plan plan = placedPlan(60, 60, 9, 12);
   plan.resolution_m = 1;  // so that quarters of cells stay exact, and with them the ties
-  plan.T_world_plan = {};
+  plan.T_frame_raster = {};
   Comparison compare(plan);
   core::RandomStream random(4, "ties");
   constexpr std::uint64_t kQuarters = 240;
@@ -274,7 +274,7 @@ TEST(SectorCaster, DecidesTiesAtCornersInAScanAsTheReferenceDoes) {
 TEST(SectorCaster, CastsBeamsInAnyOrderAndOfAnyNumber) {
   const world::Plan plan = placedPlan(50, 50, 1, 30);
   Comparison compare(plan);
-  const core::Point2 p = world::cellsToWorld(plan, {25.3, 24.6});
+  const core::Point2 p = world::cellsToPoint(plan, {25.3, 24.6});
   for (const double step : {0.0, 1.0, 2.5, -0.01, 100.7})
     for (const int beams : {1, 2, 7, 700, 2048, 2049, 5000})
       compare.scan({p.x, p.y, 0.3}, 40, step, beams, 0);
@@ -338,7 +338,7 @@ TEST(SectorCaster, CastsPartOfATable) {
   const world::Plan plan = placedPlan(120, 80, 5, 90);
   const SectorCaster caster(plan);
   const BeamTable table(-3, 0.01, 600);
-  const core::Point2 p = world::cellsToWorld(plan, {60.2, 40.7});
+  const core::Point2 p = world::cellsToPoint(plan, {60.2, 40.7});
   std::vector<float> all, part(600, -1.0F);
   caster.castScan({p.x, p.y, 1}, table, 0, all);
   caster.castBeams({p.x, p.y, 1}, table, 100, 57, 0, part.data());

@@ -52,11 +52,11 @@ TEST(FindWall, LeavesAWallWhereItsMaterialEnds) {
 TEST(FindWall, IsAsFarAsTheCasterSays) {
   core::RandomStream random(1, "wall hit test");
   world::Plan plan;
-  plan.columns = 40, plan.rows = 30, plan.resolution_m = 0.1, plan.T_world_plan = {3, -2, 0.4};
+  plan.columns = 40, plan.rows = 30, plan.resolution_m = 0.1, plan.T_frame_raster = {3, -2, 0.4};
   for (int i = 0; i < plan.columns * plan.rows; ++i)
     plan.cells.push_back(random.chance(0.05) ? world::Cell::kOccupied : world::Cell::kFree);
   for (int i = 0; i < 2000; ++i) {
-    const core::Point2 p = world::cellsToWorld(plan, {random.uniform(0, 40), random.uniform(0, 30)});
+    const core::Point2 p = world::cellsToPoint(plan, {random.uniform(0, 40), random.uniform(0, 30)});
     const double angle_rad = random.uniform(-kPi, kPi);
     const auto hit = findWall(plan, p, angle_rad);
     ASSERT_EQ(hit ? hit->distance_m : INFINITY, castRay(plan, p, angle_rad, 0));
@@ -124,8 +124,8 @@ TEST(SurfaceAt, KeepsToTheMaterialThatWasHit) {
 
 TEST(SurfaceAt, TurnsWithThePlan) {
   world::Plan plan = world::drawnPlan({"####", "....", "...."});
-  plan.T_world_plan = {5, 6, degToRad(30)};
-  const core::Point2 origin = world::cellsToWorld(plan, {2.5, 0.5});
+  plan.T_frame_raster = {5, 6, degToRad(30)};
+  const core::Point2 origin = world::cellsToPoint(plan, {2.5, 0.5});
   EXPECT_NEAR(normalAt(plan, origin, degToRad(120)), -60, 1e-12);
 }
 

@@ -32,7 +32,7 @@ world::Plan twoRooms() {
   world::Plan plan;
   plan.columns = 140, plan.rows = 60;
   plan.resolution_m = 0.1;
-  plan.T_world_plan = {3, -2, 0.7};
+  plan.T_frame_raster = {3, -2, 0.7};
   plan.cells.assign(size_t{140} * 60, world::Cell::kUnknown);
   const auto fill = [&](int x0, int y0, int x1, int y1, world::Cell cell) {
     for (int y = y0; y < y1; ++y)
@@ -59,7 +59,7 @@ TEST(ViewsOf, SeeWhatTheMapHoldsFromItsFreePlaces) {
   }
   for (const double side : {-1.0, 1.0})  // both rooms
     EXPECT_TRUE(std::any_of(views.begin(), views.end(), [&](const auto& view) {
-      return side * (world::worldToCells(map, core::position(view.T_map_robot)).x - 68) > 10;
+      return side * (world::pointToCells(map, core::position(view.T_map_robot)).x - 68) > 10;
     }));
 }
 
@@ -68,14 +68,14 @@ TEST(ViewsOf, SeeNothingThroughUnknownCells) {
   for (int y = 5; y < 55; ++y) map.cells[static_cast<size_t>(y) * 140 + 40] = world::Cell::kUnknown;
   int lost = 0;
   for (const auto& view : viewsOf(map, 20, "map")) {
-    const double side = world::worldToCells(map, core::position(view.T_map_robot)).x - 40.5;
+    const double side = world::pointToCells(map, core::position(view.T_map_robot)).x - 40.5;
     for (size_t i = 0; i < view.scan.ranges_m.size(); ++i) {
       if (std::isnan(view.scan.ranges_m[i])) ++lost;
       const core::Point2 end =
           view.T_map_robot * core::Point2{view.scan.ranges_m[i] * std::cos(view.scan.angle(i)),
                                           view.scan.ranges_m[i] * std::sin(view.scan.angle(i))};
       if (lidar::isReturn(view.scan.ranges_m[i])) {
-        EXPECT_GT(side * (world::worldToCells(map, end).x - 40.5), 0);
+        EXPECT_GT(side * (world::pointToCells(map, end).x - 40.5), 0);
       }
     }
   }
@@ -108,7 +108,10 @@ class InAGrid : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     shared_folder = new testing::TempFolder;
-    const world::Plan plan = world::loadPlan(resources::resolvePlan("flat"));
+    world::Plan plan = world::loadPlan(resources::resolvePlan("flat"));
+    const auto cell = world::pointToCells(plan, core::position(*world::findStartPose(plan, 0.3)));
+    const int column = static_cast<int>(cell.x), row = static_cast<int>(cell.y);
+    plan.doors = {{column, row, column + 1, row + 1}};  // a kept map keeps it
     world::savePlan(plan, *shared_folder / "flat.yaml");
     files::IniFile ini;
     ini.set("simulation", "duration_s", "30", "test");
@@ -146,7 +149,9 @@ TEST_F(InAGrid, ThePosesAreThoseOfTheRosMapsFrame) {
   EXPECT_LT(evaluation.trajectory.position_m.max, 0.05);  // a cell of the plan
   EXPECT_EQ(evaluation.lost_share, 0);
   const auto map = world::loadPlan(*shared_folder / "in_plan/map.yaml");
-  EXPECT_EQ(map.cells, world::loadPlan(*shared_folder / "flat.yaml").cells);
+  const auto plan = world::loadPlan(*shared_folder / "flat.yaml");
+  EXPECT_EQ(map.cells, plan.cells);
+  EXPECT_EQ(map.doors.size(), 1U);
 }
 
 TEST_F(InAGrid, SoInMrptsGrid) {

@@ -6,11 +6,11 @@ namespace slam::sessions {
 namespace {
 
 using world::Cell;
-using world::Plan;
+using world::CellMap;
 
 /// 4 x 3 m of free floor, walls around it, beyond them nothing known.
-Plan room() {
-  Plan map;
+CellMap room() {
+  CellMap map;
   map.columns = 100, map.rows = 80, map.resolution_m = 0.05;
   map.cells.assign(8000, Cell::kUnknown);
   for (int row = 9; row <= 70; ++row)
@@ -21,13 +21,13 @@ Plan room() {
   return map;
 }
 
-void put(Plan& map, int column, int row, int width, int height, Cell what = Cell::kOccupied) {
+void put(CellMap& map, int column, int row, int width, int height, Cell what = Cell::kOccupied) {
   for (int r = row; r < row + height; ++r)
     for (int c = column; c < column + width; ++c) map.cells[static_cast<size_t>(r) * map.columns + c] = what;
 }
 
 TEST(MapChanges, ATableThatWasMovedIsGoneHereAndNewThere) {
-  Plan before = room(), after = room();
+  CellMap before = room(), after = room();
   put(before, 20, 20, 10, 6);
   put(after, 60, 40, 10, 6);
   const auto found = findChanges(before, after);
@@ -45,14 +45,14 @@ TEST(MapChanges, ATableThatWasMovedIsGoneHereAndNewThere) {
 }
 
 TEST(MapChanges, WhatIsSeenForTheFirstTimeIsNoChange) {
-  Plan before = room(), after = room();
+  CellMap before = room(), after = room();
   put(before, 50, 10, 40, 60, Cell::kUnknown);
   put(after, 60, 40, 10, 6);
   EXPECT_TRUE(findChanges(before, after).changes.empty());
 }
 
 TEST(MapChanges, AWallThatIsSeenALittleAsideIsNoChange) {
-  Plan before = room(), after = room();
+  CellMap before = room(), after = room();
   put(before, 40, 10, 1, 30);
   put(after, 42, 10, 1, 30);  // 0.1 m
   EXPECT_TRUE(findChanges(before, after).changes.empty());
@@ -62,7 +62,7 @@ TEST(MapChanges, AWallThatIsSeenALittleAsideIsNoChange) {
 }
 
 TEST(MapChanges, OneCellIsNoiseAndPiecesNearOneAnotherAreOneThing) {
-  Plan before = room(), after = room();
+  CellMap before = room(), after = room();
   put(after, 20, 20, 1, 1);
   EXPECT_TRUE(findChanges(before, after).changes.empty());
   // The four legs of a table, and one of another.
@@ -75,10 +75,10 @@ TEST(MapChanges, OneCellIsNoiseAndPiecesNearOneAnotherAreOneThing) {
 }
 
 TEST(MapChanges, MapsMayLieTurnedToOneAnother) {
-  Plan before = room(), after = room();
+  CellMap before = room(), after = room();
   put(before, 20, 20, 10, 6);
   // The same room drawn from the other corner.
-  after.T_world_plan = core::Pose2{5, 4, core::kPi};
+  after.T_frame_raster = core::Pose2{5, 4, core::kPi};
   put(after, 70, 54, 10, 6);
   EXPECT_TRUE(findChanges(before, after).changes.empty());
 }

@@ -170,7 +170,7 @@ TEST_F(TwoVisits, FurnitureThatWasMovedIsFound) {
     constexpr double kNear_m = 0.4;
     for (double dy = -kNear_m; dy <= kNear_m; dy += 0.05)
       for (double dx = -kNear_m; dx <= kNear_m; dx += 0.05) {
-        const auto cell = world::worldToCells(before, {p_world.x + dx, p_world.y + dy});
+        const auto cell = world::pointToCells(before, {p_world.x + dx, p_world.y + dy});
         const int column = static_cast<int>(cell.x), row = static_cast<int>(cell.y);
         if (before.contains(column, row) && before.at(column, row) != after.at(column, row)) return true;
       }

@@ -137,11 +137,11 @@ TEST(LivingWorld, APartOfASweepIsAScanOfFewerBeams) {
 TEST(LivingWorld, APersonInThePlansOwnFrameStandsWhereThePlanIsPlaced) {
   world::Plan plan = twoRooms();
   const movers::Scene straight(plan, people(3), 2, {{3, 3}, 0.3});
-  plan.T_world_plan = {10, -4, 1.1};
-  const core::Point2 robot = plan.T_world_plan * core::Point2{3, 3};
+  plan.T_frame_raster = {10, -4, 1.1};
+  const core::Point2 robot = plan.T_frame_raster * core::Point2{3, 3};
   const movers::Scene placed(plan, people(3), 2, {robot, 0.3});
   for (size_t i = 0; i < straight.bodies().size(); ++i) {
-    const core::Point2 expected = plan.T_world_plan * straight.bodies()[i].p;
+    const core::Point2 expected = plan.T_frame_raster * straight.bodies()[i].p;
     EXPECT_NEAR(core::distance(expected, placed.bodies()[i].p), 0, 1e-12);
     EXPECT_TRUE(placed.discCollides(placed.bodies()[i].p, 0));
   }

@@ -17,7 +17,7 @@ world::Plan room() {
   plan.name = "room";
   plan.columns = 80, plan.rows = 60;
   plan.resolution_m = 0.1;
-  plan.T_world_plan = {-4, -3, 0};
+  plan.T_frame_raster = {-4, -3, 0};
   plan.cells.assign(4800, world::Cell::kFree);
   for (int row = 0; row < 60; ++row)
     for (int column = 0; column < 80; ++column)

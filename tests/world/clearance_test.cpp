@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "libslam/core/random.h"
+#include "libslam/world/plan.h"
 
 namespace slam::world {
 namespace {

@@ -16,11 +16,11 @@ namespace {
 
 TEST(PlanFrames, TakeCellsToTheWorldAndBack) {
   Plan plan = drawnPlan({"#.."}, 0.5);
-  plan.T_world_plan = {10, 20, core::kPi / 2};
-  const core::Point2 p = cellsToWorld(plan, {3, 1});
+  plan.T_frame_raster = {10, 20, core::kPi / 2};
+  const core::Point2 p = cellsToPoint(plan, {3, 1});
   EXPECT_NEAR(p.x, 10 - 0.5, 1e-12);  // rounding of coordinates of 20 m
   EXPECT_NEAR(p.y, 20 + 1.5, 1e-12);
-  const core::Point2 cell = worldToCells(plan, p);
+  const core::Point2 cell = pointToCells(plan, p);
   EXPECT_NEAR(cell.x, 3, 1e-12);
   EXPECT_NEAR(cell.y, 1, 1e-12);
 }
@@ -104,7 +104,7 @@ TEST(StartPose, CountsOnlyCellsThatTheDiscReaches) {
 
 TEST(StartPose, IsNearestToTheCentreOfMassAmongCellsThatTheDiscFits) {
   Plan plan = drawnPlan(std::vector<std::string>(60, std::string(80, '.')), 0.05);
-  plan.T_world_plan = {-3, 7, 0.7};
+  plan.T_frame_raster = {-3, 7, 0.7};
   core::RandomStream random(5, "start");
   for (auto& cell : plan.cells) cell = random.below(150) == 0 ? Cell::kOccupied : Cell::kFree;
   for (const double clearance_m : {0.0, 0.05, 0.12, 0.2}) {
@@ -113,7 +113,7 @@ TEST(StartPose, IsNearestToTheCentreOfMassAmongCellsThatTheDiscFits) {
     EXPECT_FALSE(discCollides(plan, core::position(*pose), clearance_m));
     EXPECT_EQ(pose->phi, 0);
     // Few obstacles: nearly all cells are in one region, so its middle is near the plan's middle (40, 30).
-    const core::Point2 cell = worldToCells(plan, core::position(*pose));
+    const core::Point2 cell = pointToCells(plan, core::position(*pose));
     EXPECT_LT(std::hypot(cell.x - 40, cell.y - 30), 8) << clearance_m;
   }
 }

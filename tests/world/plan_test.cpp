@@ -181,9 +181,9 @@ TEST_F(Plans, ReadAMapYaml) {
   const Plan plan = loadPlan(path);
   EXPECT_EQ(plan.name, "map");
   EXPECT_EQ(plan.resolution_m, 0.1);
-  EXPECT_EQ(plan.T_world_plan.x, -1.5);
-  EXPECT_EQ(plan.T_world_plan.y, 2);
-  EXPECT_EQ(plan.T_world_plan.phi, 0.5);
+  EXPECT_EQ(plan.T_frame_raster.x, -1.5);
+  EXPECT_EQ(plan.T_frame_raster.y, 2);
+  EXPECT_EQ(plan.T_frame_raster.phi, 0.5);
   EXPECT_EQ(drawing(plan), "#.../....");
 }
 
@@ -260,7 +260,7 @@ TEST_F(Plans, RefuseOptionsOutOfRange) {
   options.occupied_threshold = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(errorOf(path, options), ": key 'occupied_thresh': found 'nan', expected a number from 0 to 1");
   options = {};
-  options.T_world_plan.phi = std::numeric_limits<double>::infinity();
+  options.T_frame_raster.phi = std::numeric_limits<double>::infinity();
   EXPECT_EQ(errorOf(path, options), ": key 'origin': not finite, expected [x, y, yaw]");
 }
 
@@ -325,7 +325,7 @@ TEST_F(Plans, RefuseEveryCutOfAPictureWithoutANoise) {
 
 TEST_F(Plans, ComeBackFromDiskAsTheyWere) {
   Plan plan = drawnPlan({"#?.#", "....", "##??"}, 0.1 / 3);
-  plan.T_world_plan = {-1.0 / 3, 1e-7, -2.5};
+  plan.T_frame_raster = {-1.0 / 3, 1e-7, -2.5};
   plan.doors = {{0, 1, 4, 2}, {3, 1, 4, 2}};
   for (const std::string name : {"plan.yaml", "it's a #1: plan.yaml", "-dash.yaml"}) {
     savePlan(plan, folder_ / name);
@@ -335,9 +335,9 @@ TEST_F(Plans, ComeBackFromDiskAsTheyWere) {
     EXPECT_EQ(loaded.columns, 4);
     EXPECT_EQ(loaded.rows, 3);
     EXPECT_EQ(loaded.resolution_m, plan.resolution_m);
-    EXPECT_EQ(loaded.T_world_plan.x, plan.T_world_plan.x);
-    EXPECT_EQ(loaded.T_world_plan.y, plan.T_world_plan.y);
-    EXPECT_EQ(loaded.T_world_plan.phi, plan.T_world_plan.phi);
+    EXPECT_EQ(loaded.T_frame_raster.x, plan.T_frame_raster.x);
+    EXPECT_EQ(loaded.T_frame_raster.y, plan.T_frame_raster.y);
+    EXPECT_EQ(loaded.T_frame_raster.phi, plan.T_frame_raster.phi);
     ASSERT_EQ(loaded.doors.size(), 2U);
     EXPECT_EQ(loaded.doors[1].x0, 3);
     EXPECT_EQ(loaded.doors[1].y1, 2);

@@ -55,7 +55,7 @@ TEST_F(RealPlans, LoadWithPlausibleSizes) {
 TEST_F(RealPlans, PlaceTheTurtlebotWorldAtItsOrigin) {
   // The picture's origin is (-10, -10) so that the little world lies around the world's origin.
   const Plan plan = loadPlan(folder_ + "/worlds/turtlebot3/map.yaml");
-  const core::Point2 corner = cellsToWorld(plan, {0, 0});
+  const core::Point2 corner = cellsToPoint(plan, {0, 0});
   EXPECT_EQ(corner.x, -10);
   EXPECT_EQ(corner.y, -10);
   const auto pose = findStartPose(plan, 0.2);
