@@ -116,7 +116,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-n", dest="drives", type=int, default=40)
     parser.add_argument("-s", dest="seed", type=int, default=1001, help="of the first drive; the next ones count on")
-    parser.add_argument("-m", dest="methods", default="graph,icp,naive_wheel")
+    parser.add_argument("-m", dest="methods", default="graph,particles,icp,naive_wheel")
     parser.add_argument("-j", dest="jobs", type=int, default=2)
     parser.add_argument("-p", dest="program", default=str(ROOT / "build/release/apps/rasterslam"))
     parser.add_argument("-o", dest="folder", type=pathlib.Path, default=ROOT / "benchmarks/results")
