@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "drawn_plan.h"
+#include "tests/world/drawn_plan.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::world {
