@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/world/drawn_plan.h"
 #include "libslam/testing/temp_folder.h"
+#include "tests/world/drawn_plan.h"
 
 namespace slam::world {
 namespace {
