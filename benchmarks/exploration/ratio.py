@@ -2,10 +2,10 @@
 """Strategies against somebody who knows the plan: competitive ratios, their intervals, and paired tests.
 
     benchmarks/exploration/ratio.py [-p PROGRAM] [-n SEEDS] [-w WORLDS] [-S STRATEGIES] [-j THREADS] [-o FOLDER]
-                                    [-t NAME] [-k CSV]
+                                    [-t NAME] [-k CSV] [-z]
 
 Explores every world with every strategy and seed by the true pose (rasterslam explore --slam truth --oracle, 181 beams) and
-writes FOLDER/NAME.csv (every run) and NAME.txt (medians with 95 % intervals of the bootstrap; paired
+writes FOLDER/NAME.csv (every run; with -z packed: NAME.csv.xz) and NAME.txt (medians with 95 % intervals of the bootstrap; paired
 sign tests of each strategy against nearest_frontier over worlds and seeds). A run that never gets there is endlessly late.
 
 A world is a committed one, or KIND-SEED-SIZE for a building made for it, such as flat-21-16x12 (rasterslam world make).
@@ -14,6 +14,7 @@ not changed since need not be driven again.
 """
 import argparse
 import csv
+import lzma
 import math
 import os
 import random
@@ -22,6 +23,7 @@ import subprocess
 import tempfile
 
 WORLDS = "corridor,flat,maze,office_loop,pillar_hall"
+NAME = "exploration_ratio"
 GOALS = {"90": 1.15, "99": 1.25}
 STRATEGIES = "nearest_frontier,information_gain,next_best_view"
 
@@ -33,6 +35,11 @@ def number(text):
     except ValueError:
         return math.inf
     return math.inf if math.isnan(value) else value
+
+
+def opened(path, mode):
+    """A table of runs, packed or not."""
+    return (lzma.open if path.endswith(".xz") else open)(path, mode, newline="", encoding="utf-8")
 
 
 def interval(values, draws=2000):
@@ -121,12 +128,13 @@ def parser_of(description, seeds, worlds, strategies):
 
 def main():
     parser = parser_of(__doc__, 10, WORLDS, STRATEGIES)
-    parser.add_argument("-t", default="exploration_ratio")
+    parser.add_argument("-t", default=NAME)
     parser.add_argument("-k")
+    parser.add_argument("-z", action="store_true")
     args = parser.parse_args()
     rows, strategies = [], args.S.split(",")
     if args.k:
-        with open(args.k, newline="", encoding="utf-8") as file:
+        with opened(args.k, "rt") as file:
             rows = [row for row in csv.DictReader(file)
                     if row["strategy"] not in strategies and row["plan"] in args.w.split(",")]
         strategies = list(dict.fromkeys(row["strategy"] for row in rows)) + strategies
@@ -136,12 +144,13 @@ def main():
     keys = ["plan", "strategy", "seed", "path90_m", "path99_m", "oracle90_m", "oracle99_m", "below90_m", "below99_m", "ratio90",
             "ratio99", "t90_s", "t99_s", "coverage_percent", "path_m", "redundant_percent", "collisions", "end"]
     os.makedirs(args.o, exist_ok=True)
-    with open(os.path.join(args.o, args.t + ".csv"), "w", newline="", encoding="utf-8") as file:
+    with opened(os.path.join(args.o, args.t + (".csv.xz" if args.z else ".csv")), "wt") as file:
         table = csv.DictWriter(file, keys, extrasaction="ignore", lineterminator="\n")
         table.writeheader()
         table.writerows(rows)
     with open(os.path.join(args.o, args.t + ".txt"), "w", encoding="utf-8") as file:
-        print(f"benchmarks/exploration/ratio.py -n {args.n} -w {args.w} -S {','.join(strategies)}", file=file)
+        packed, name = " -z" if args.z else "", "" if args.t == NAME else f" -t {args.t}"
+        print(f"benchmarks/exploration/ratio.py -n {args.n} -w {args.w} -S {','.join(strategies)}{name}{packed}", file=file)
         report(rows, strategies, file)
 
 

@@ -24,7 +24,8 @@ struct GridOptions {
   int reach_cells = 8;  ///< the field knows surfaces up to this distance; 1 to 16
 };
 
-/// A direction as a number of four bits: from which side a surface is seen. Nothing is known of kNoSide.
+/// A direction of the map frame as a number of four bits: from which side a surface is seen. Nothing is known
+/// of kNoSide.
 using Side = std::uint8_t;
 inline constexpr Side kNoSide = 0, kSides = 15;
 /// The side in this direction; kNoSide for (0, 0).
@@ -47,7 +48,7 @@ class FieldCell {
   /// From this cell to the nearest occupied one, in cells of -16 to 16. REQUIRES nearSurface().
   int toX() const { return (nearest_ & kMask) - kMost; }
   int toY() const { return (nearest_ >> kBits & kMask) - kMost; }
-  /// From which that one is seen.
+  /// From which that one is seen; kNoSide where that was not told.
   Side side() const { return static_cast<Side>(nearest_ >> 2 * kBits & 15U); }
   void setNearest(int to_x, int to_y, Side seen_from) {
     nearest_ = static_cast<std::uint16_t>((to_x + kMost) | (to_y + kMost) << kBits | seen_from << 2 * kBits);

@@ -7,8 +7,6 @@
 namespace slam::gridmap {
 namespace {
 
-constexpr double kOneSurface_m = 0.4;
-
 /// Of a surface, towards the lidar.
 core::Point2 normalOf(const ScanRays& scan, size_t i) {
   const std::vector<Ray>& rays = scan.rays;

@@ -5,7 +5,7 @@
 
 namespace slam::gridmap {
 
-/// What one beam says about the place: nothing up to `end`, and with `hit` a surface there.
+/// What one beam says about the place: nothing up to `end`, and with `hit` a surface there; robot frame.
 struct Ray {
   core::Point2 end;
   bool hit = false;
@@ -24,9 +24,12 @@ struct RayOptions {
   bool no_return_is_free = true;  ///< a beam that met nothing clears as far as the lidar sees, or max_range_m
 };
 
+/// Returns nearer to each other than this lie on one surface.
+inline constexpr double kOneSurface_m = 0.4;
+
 /// Beam i points exactly to scan.angle(i) in the lidar frame: n beams span n - 1 steps. A lost reading (NaN)
 /// says nothing, neither does one that is not positive. A surface's normal is that of the line through the
-/// returns beside it, when they are less than 0.4 m apart, else the way back along the beam.
+/// returns beside it, when they are less than kOneSurface_m apart, else the way back along the beam.
 ScanRays scanRays(const lidar::Scan& scan, const RayOptions& options);
 
 }  // namespace slam::gridmap

@@ -214,6 +214,7 @@ class ParticleFilter {
   void estimateCovariance();
   // guide.cpp: where the best particle goes
   double explainedAt(const core::Pose2& T, const std::vector<scanmatch::SurfacePoint>& points) const;
+  double toldAt(const core::Pose2& T, const std::vector<scanmatch::SurfacePoint>& points) const;
   double explainedOfTold(const Start& at, const std::vector<scanmatch::SurfacePoint>& points) const;
   Start bestStart(const Start& predicted, const Motion& expected,
                   const std::vector<scanmatch::SurfacePoint>& points) const;

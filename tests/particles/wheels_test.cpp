@@ -84,8 +84,8 @@ core::Pose2 driveCorridor(ParticleFilter& filter, const std::vector<Step>& steps
   return T;
 }
 
-// Two degrees explain half of what the right heading does; what went on then was the motion before, for all
-// three coordinates, and along the corridor nothing told that it was wrong.
+// Turned by two degrees a scan is explained by three quarters; what went on then was the motion before, for
+// all three coordinates, and along the corridor nothing told that it was wrong.
 TEST(ParticleWheels, AreDoubtedForNoTurnThatTheyAllowThemselves) {
   std::vector<Step> steps;
   for (int i = 0; i < 60; ++i) steps.push_back({0.4, i % 3 == 0 ? 0.06 : -0.04});
