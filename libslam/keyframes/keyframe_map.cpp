@@ -83,6 +83,13 @@ std::vector<int> KeyframeMap::keyframesAround(int start, const Point2& centre, d
   return result;
 }
 
+std::vector<int> KeyframeMap::keyframesLinkedWith(int start, double path_m) const {
+  std::vector<int> result = links_.linkedWith(start, path_m);
+  result.erase(std::remove_if(result.begin(), result.end(), [&](int k) { return !mayBeMatchedTo(k); }),
+               result.end());
+  return result;
+}
+
 std::vector<int> KeyframeMap::keyframesWithin(const Point2& centre, double radius_m) const {
   std::vector<std::pair<double, int>> near;
   for (int k = 0; k < graph_.nodeCount(); ++k) {

@@ -49,43 +49,54 @@ void Links::measure(const std::vector<core::Pose2>& poses) {
       link.length_m = core::distance(poses[i], poses[static_cast<size_t>(link.to)]);
 }
 
-std::vector<std::pair<double, int>> Links::around(const std::vector<core::Pose2>& poses, int start,
-                                                  const core::Point2& centre, double path_m,
-                                                  double radius_m) const {
+/// Leaves in touched_ what chains of links connect with `start`; from keyframes that are not near they lead
+/// no farther.
+template <class IsNear>
+void Links::reach(int start, double path_m, const IsNear& isNear) const {
   reached_.resize(links_.size(), -1);
   touched_.clear();
   buckets_.resize(kBuckets + 1);
   const double per_m = path_m > 0 ? kBuckets / path_m : 0;
-  const auto reach = [&](int k, double length_m) {
+  const auto come = [&](int k, double length_m) {
     double& best = reached_[static_cast<size_t>(k)];
     if (length_m > path_m || (best >= 0 && best <= length_m)) return;
     if (best < 0) touched_.push_back(k);
     best = length_m;
     buckets_[static_cast<size_t>(length_m * per_m)].push_back({length_m, k});
   };
-  const double near2 = radius_m * radius_m, far2 = 2.25 * near2;
-  std::vector<std::pair<double, int>> near;
-  reach(start, 0);
+  come(start, 0);
   // Nearly the shortest first, so that few keyframes are reached again by a shorter way.
   for (auto& bucket : buckets_) {
     for (size_t next = 0; next < bucket.size(); ++next) {
       const auto [length_m, k] = bucket[next];
-      if (length_m > reached_[static_cast<size_t>(k)]) continue;
-      const double dx = poses[static_cast<size_t>(k)].x - centre.x,
-                   dy = poses[static_cast<size_t>(k)].y - centre.y;
-      if (dx * dx + dy * dy > far2) continue;
-      for (const Link& link : links_[static_cast<size_t>(k)]) reach(link.to, length_m + link.length_m);
+      if (length_m > reached_[static_cast<size_t>(k)] || !isNear(k)) continue;
+      for (const Link& link : links_[static_cast<size_t>(k)]) come(link.to, length_m + link.length_m);
     }
     bucket.clear();
   }
-  for (const int k : touched_) {
+  for (const int k : touched_) reached_[static_cast<size_t>(k)] = -1;
+}
+
+std::vector<std::pair<double, int>> Links::around(const std::vector<core::Pose2>& poses, int start,
+                                                  const core::Point2& centre, double path_m,
+                                                  double radius_m) const {
+  const double near2 = radius_m * radius_m, far2 = 2.25 * near2;
+  const auto away2 = [&](int k) {
     const double dx = poses[static_cast<size_t>(k)].x - centre.x,
                  dy = poses[static_cast<size_t>(k)].y - centre.y;
-    if (const double away2 = dx * dx + dy * dy; away2 <= near2) near.push_back({away2, k});
-  }
-  for (const int k : touched_) reached_[static_cast<size_t>(k)] = -1;
+    return dx * dx + dy * dy;
+  };
+  reach(start, path_m, [&](int k) { return away2(k) <= far2; });
+  std::vector<std::pair<double, int>> near;
+  for (const int k : touched_)
+    if (const double distance2 = away2(k); distance2 <= near2) near.push_back({distance2, k});
   std::sort(near.begin(), near.end());
   return near;
+}
+
+std::vector<int> Links::linkedWith(int start, double path_m) const {
+  reach(start, path_m, [](int) { return true; });
+  return touched_;
 }
 
 std::vector<double> shortestWays(const std::vector<double>& path_m,

@@ -23,16 +23,20 @@ class Links {
   std::vector<std::pair<double, int>> around(const std::vector<core::Pose2>& poses, int start,
                                              const core::Point2& centre, double path_m,
                                              double radius_m) const;
+  /// All that such chains connect with `start`, in no order.
+  std::vector<int> linkedWith(int start, double path_m) const;
 
  private:
   struct Link {
     int to;
     double length_m;
   };
+  template <class IsNear>
+  void reach(int start, double path_m, const IsNear& isNear) const;
   std::vector<std::vector<Link>> links_;
-  // Scratch of around().
+  // Scratch of reach().
   mutable std::vector<double> reached_;
-  mutable std::vector<int> touched_;
+  mutable std::vector<int> touched_;                                  ///< what was reached last
   mutable std::vector<std::vector<std::pair<double, int>>> buckets_;  ///< by length, to each keyframe
 };
 

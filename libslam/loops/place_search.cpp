@@ -59,7 +59,7 @@ void PlaceSearch::measureWays(int k) {
       search_.way_m[static_cast<size_t>(old)] = map_->keyframe(k).path_m - map_->keyframe(old).path_m -
                                                 map_->gapsBetween(old, k) * keyframes::kGapPath_m;
   search_.is_local.assign(map_->keyframes().size(), 0);
-  for (const int local : map_->keyframesAround(k, core::position(map_->pose(k)), options_->map_path_m, 1e9))
+  for (const int local : map_->keyframesLinkedWith(k, options_->map_path_m))
     search_.is_local[static_cast<size_t>(local)] = 1;
 }
 
@@ -115,18 +115,15 @@ bool PlaceSearch::nextPlace() {
   if (next_ == candidates_.size() || ++places_ > kMostPlaces) return false;
   old_ = candidates_[next_++];
   const core::Point2 centre = core::position(map_->pose(old_));
-  const auto around = [&](double path_m, double radius_m) {
-    auto keyframes = map_->keyframesAround(old_, centre, path_m, radius_m);
-    // Those that came since the search began are not looked at: the newest are local.
-    const auto isNew = [&](int k) { return static_cast<size_t>(k) >= is_tried_.size(); };
-    keyframes.erase(std::remove_if(keyframes.begin(), keyframes.end(), isNew), keyframes.end());
-    return keyframes;
-  };
-  for (const int tried : around(options_->map_path_m, 1e9)) is_tried_[static_cast<size_t>(tried)] = 1;
-  around_ = around(keyframes::kPlacePath_m, keyframes::kPlaceRadius_m);
-  around_.erase(std::remove_if(around_.begin(), around_.end(),
-                               [&](int a) { return search_.is_local[static_cast<size_t>(a)] != 0; }),
-                around_.end());
+  // Those that came since the search began are not looked at: the newest are local.
+  const auto isNew = [&](int k) { return static_cast<size_t>(k) >= is_tried_.size(); };
+  for (const int tried : map_->keyframesLinkedWith(old_, options_->map_path_m))
+    if (!isNew(tried)) is_tried_[static_cast<size_t>(tried)] = 1;
+  around_ = map_->keyframesAround(old_, centre, keyframes::kPlacePath_m, keyframes::kPlaceRadius_m);
+  around_.erase(
+      std::remove_if(around_.begin(), around_.end(),
+                     [&](int a) { return isNew(a) || search_.is_local[static_cast<size_t>(a)] != 0; }),
+      around_.end());
   around_ = keyframes::firstOf(std::move(around_), options_->map_keyframes);
   preparePlace();
   reach_m_ = std::max(reach_m_, place_->window.half_xy_m);

@@ -23,6 +23,11 @@ bool areOpposite(double ax, double ay, double bx, double by) {
   return dot < 0 && 4 * dot * dot > (ax * ax + ay * ay) * (bx * bx + by * by);
 }
 
+/// Column or row of a coordinate from the map's corner. Below 0 it may be one too high: that is rim still.
+std::int64_t cellOf(double at_m, double per_cell) {
+  return static_cast<std::int64_t>(at_m * per_cell);
+}
+
 }  // namespace
 
 void SurfelMap::clear(const core::Point2& centre, double reach_m) {
@@ -48,8 +53,7 @@ void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_
   const double tx = T_map_robot.x - origin_.x, ty = T_map_robot.y - origin_.y;
   for (const auto& point : points) {
     const double x = tx + c * point.x - s * point.y, y = ty + s * point.x + c * point.y;
-    const auto column = static_cast<std::int64_t>(std::floor(x * per_cell_));
-    const auto row = static_cast<std::int64_t>(std::floor(y * per_cell_));
+    const auto column = cellOf(x, per_cell_), row = cellOf(y, per_cell_);
     const std::int32_t index = indexOf(column, row);
     if (index < 0) continue;
     const double dx = x - (static_cast<double>(column) + 0.5) * cell_m_;
@@ -69,8 +73,7 @@ void SurfelMap::add(const SurfelMap& finer) {
                  its_row = static_cast<double>(rows_below);
     const double x = finer.origin_.x + (its_column + 0.5) * finer.cell_m_ - origin_.x,
                  y = finer.origin_.y + (its_row + 0.5) * finer.cell_m_ - origin_.y;
-    const auto column = static_cast<std::int64_t>(std::floor(x * per_cell_));
-    const auto row = static_cast<std::int64_t>(std::floor(y * per_cell_));
+    const auto column = cellOf(x, per_cell_), row = cellOf(y, per_cell_);
     const std::int32_t index = indexOf(column, row);
     if (index < 0) continue;
     const double ox = x - (static_cast<double>(column) + 0.5) * cell_m_,
