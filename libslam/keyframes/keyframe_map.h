@@ -79,7 +79,7 @@ class KeyframeMap {
   /// Those that are linked with `start`, see Links::around(), as far as they may be matched to.
   std::vector<int> keyframesAround(int start, const core::Point2& centre, double path_m,
                                    double radius_m) const;
-  /// The same wherever they are, in no order.
+  /// The same by Links::linkedWith(): wherever they are, in no order.
   std::vector<int> keyframesLinkedWith(int start, double path_m) const;
   /// All keyframes within the radius, however they are linked, the nearest first.
   std::vector<int> keyframesWithin(const core::Point2& centre, double radius_m) const;

@@ -23,7 +23,7 @@ class Links {
   std::vector<std::pair<double, int>> around(const std::vector<core::Pose2>& poses, int start,
                                              const core::Point2& centre, double path_m,
                                              double radius_m) const;
-  /// All that such chains connect with `start`, in no order.
+  /// `start` and all that chains of at most path_m connect with it, wherever they are; in no order.
   std::vector<int> linkedWith(int start, double path_m) const;
 
  private:

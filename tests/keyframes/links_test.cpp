@@ -40,6 +40,18 @@ TEST(Links, ReachAsFarAsTheirPathAndNameTheNearestToTheCentreFirst) {
   EXPECT_EQ(numbersOf(row.links.around(row.poses, 0, {0, 0}, 100, 3)), (std::vector<int>{0, 1, 2, 3}));
 }
 
+TEST(Links, NameAllWithinTheirPathWhereverTheyAre) {
+  const Row row(6);
+  const auto linked = [&](int start, double path_m) {
+    auto numbers = row.links.linkedWith(start, path_m);
+    std::sort(numbers.begin(), numbers.end());
+    return numbers;
+  };
+  EXPECT_EQ(linked(4, 1), (std::vector<int>{3, 4, 5}));
+  EXPECT_EQ(linked(4, 0.9), (std::vector<int>{4}));
+  EXPECT_EQ(linked(0, 100), (std::vector<int>{0, 1, 2, 3, 4, 5}));
+}
+
 TEST(Links, TakeTheShorterOfTwoChainsWhicheverIsFoundFirst) {
   Links links;
   for (int k = 0; k < 4; ++k) links.addKeyframe();
