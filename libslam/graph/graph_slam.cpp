@@ -28,7 +28,7 @@ GraphSlam::GraphSlam(const keyframes::GraphOptions& options)
       loops_(*map_),
       finder_(*map_),
       maps_(options, true),
-      pass_map_(options.cell_m, options.blur_m, true) {
+      pass_map_(options.cell_m, options.blur_m, true, true) {
   map_->fill(maps_, {}, {});
   pass_map_.clear({}, keyframes::kMapReach_m);
 }

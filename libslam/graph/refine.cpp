@@ -14,7 +14,7 @@ void GraphSlam::refine() {
   const auto match_options = keyframes::matchOptions(10);
   scanmatch::PosePrior flat;
   flat.information.setIdentity();
-  scanmatch::SurfelMap map(options_.cell_m, options_.blur_m, true);
+  scanmatch::SurfelMap map(options_.cell_m, options_.blur_m, true, true);
   posegraph::OptimizeOptions solve;
   solve.robust = "none";
   const int n = map_->size();

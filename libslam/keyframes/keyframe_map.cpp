@@ -14,10 +14,10 @@ using scanmatch::MatchResult;
 using scanmatch::PatchPoint;
 using scanmatch::PosePrior;
 
-LevelMaps::LevelMaps(const GraphOptions& o, bool two_sided)
-    : fine(o.cell_m, o.blur_m, two_sided),
-      middle(2 * o.cell_m, o.blur_m + 0.02),
-      coarse(4 * o.cell_m, o.blur_m + 0.07) {}
+LevelMaps::LevelMaps(const GraphOptions& o, bool for_tracking)
+    : fine(o.cell_m, o.blur_m, for_tracking, for_tracking),
+      middle(2 * o.cell_m, o.blur_m + 0.02, false, for_tracking),
+      coarse(4 * o.cell_m, o.blur_m + 0.07, false, for_tracking) {}
 
 KeyframeMap::KeyframeMap(const GraphOptions& options) : options_(options), scratch_(options, false) {
   // Memory that is touched for the first time is slow: no scan shall wait for it.

@@ -46,11 +46,12 @@ struct Record {
   core::Pose2 T_keyframe_robot;
   core::Symmetric3 drift_covariance;  ///< since the keyframe; map frame, as it was
 };
-/// Surfels of the same points with cells of one, two and four times cell_m. `two_sided`: the finest keep the
-/// faces of thin walls apart; for a robot that is tracked, not for one whose place is looked for.
+/// Surfels of the same points with cells of one, two and four times cell_m. `for_tracking`: the finest keep
+/// the faces of thin walls apart, and all widen where points are few; not for a robot whose place is looked
+/// for.
 struct LevelMaps {
   scanmatch::SurfelMap fine, middle, coarse;
-  LevelMaps(const GraphOptions& options, bool two_sided);
+  LevelMaps(const GraphOptions& options, bool for_tracking);
 };
 /// A step as odometry has it, or else the motion before, and standard deviations.
 struct Prediction {

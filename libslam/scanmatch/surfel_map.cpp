@@ -13,6 +13,12 @@ constexpr double kFlat = 0.15;
 /// Two faces of a wall have so many points each, at least, and their means are so many standard deviations
 /// apart, squared.
 constexpr double kLeastOfFace = 3, kApart2 = 4;
+/// Fewer points, each by its weight, say little of which way a wall runs: then a wider neighbourhood is
+/// pooled, evenly, if it is flat. With 5 to 12 here maps of sparse scans are about as good.
+constexpr double kFewPoints = 6;
+constexpr int kNear = 1, kWide = 2;
+/// In a map of one scan a wide surfel is no surer than its points, and explains wrong places, too.
+constexpr int kLeastScans = 2;
 /// On the mixed term: more than what rounding to float may take off the determinant, so that a surfel's
 /// information is positive semidefinite as it is stored.
 constexpr double kHeldBack = 1 - 2.5e-7;
@@ -46,11 +52,13 @@ void SurfelMap::clear(const core::Point2& centre, double reach_m) {
              (std::floor((centre.y - reach_m) * per_cell_) - 3) * cell_m_};
   sums_.clear(), cells_.clear(), surfels_.clear(), first_views_.clear(), feigned_.clear(),
       asked_cells_.clear();
+  scans_ = 0;
 }
 
 void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot, int view) {
   const auto [s, c] = core::sinCos(T_map_robot.phi);
   const double tx = T_map_robot.x - origin_.x, ty = T_map_robot.y - origin_.y;
+  ++scans_;
   for (const auto& point : points) {
     const double x = tx + c * point.x - s * point.y, y = ty + s * point.x + c * point.y;
     const auto column = cellOf(x, per_cell_), row = cellOf(y, per_cell_);
@@ -67,6 +75,7 @@ void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_
 }
 
 void SurfelMap::add(const SurfelMap& finer) {
+  scans_ += finer.scans_;
   for (const std::int64_t cell : finer.cells_) {
     const std::int64_t rows_below = cell / finer.side_;
     const double its_column = static_cast<double>(cell % finer.side_),
@@ -140,28 +149,59 @@ void SurfelMap::Sums::add(const Sums& sums, double w, double ox, double oy) {
   first_view = std::min(first_view, sums.first_view);
 }
 
+SurfelMap::Spread SurfelMap::Sums::spread() const {
+  const double mx = x / n, my = y / n;
+  const double var_x = xx / n - mx * mx, var_y = yy / n - my * my, var_xy = xy / n - mx * my;
+  const double half = (var_x - var_y) / 2, root = std::sqrt(half * half + var_xy * var_xy);
+  return {mx, my, half, var_xy, root, (var_x + var_y) / 2 + root, std::max((var_x + var_y) / 2 - root, 0.0)};
+}
+
+/// Whether they lie along one wall, whichever side they were seen from.
+bool SurfelMap::isFlat(const Faces& faces) {
+  Sums all = faces.front;
+  all.add(faces.back, 1, 0, 0);
+  const Spread spread = all.spread();
+  return spread.across < kFlat * spread.along;
+}
+
+/// The points of a cell's neighbourhood, `reach` cells to each side, from the centre of the cell. REQUIRES
+/// that it lies within the map.
+SurfelMap::Faces SurfelMap::pooled(std::int64_t cell, int reach) const {
+  Faces faces;
+  double nx = 0, ny = 0;  // of the front
+  const auto add = [&](std::int32_t first, double w, double ox, double oy) {
+    for (std::int32_t at = first; at >= 0; at = sums_[static_cast<size_t>(at)].back) {
+      const Sums& sums = sums_[static_cast<size_t>(at)];
+      if (nx == 0 && ny == 0) nx = sums.nx, ny = sums.ny;
+      (two_sided_ && areOpposite(nx, ny, sums.nx, sums.ny) ? faces.back : faces.front).add(sums, w, ox, oy);
+    }
+  };
+  if (const std::int32_t own = sums_of_[static_cast<size_t>(cell)]; own >= 0)
+    nx = sums_[static_cast<size_t>(own)].nx, ny = sums_[static_cast<size_t>(own)].ny;
+  const double beside = reach == kNear ? 0.5 : 1;
+  for (int r = -reach; r <= reach; ++r)
+    for (int k = -reach; k <= reach; ++k)
+      add(sums_of_[static_cast<size_t>(cell + r * side_ + k)],
+          (r == 0 ? 1.0 : beside) * (k == 0 ? 1.0 : beside), k * cell_m_, r * cell_m_);
+  return faces;
+}
+
 std::int32_t SurfelMap::makeSurfel(std::int64_t cell) const {
   std::int32_t& index = surfel_of_[static_cast<size_t>(cell)];
   asked_cells_.push_back(cell);
   index = kNone;
   // The rim is empty, and its cells have no neighbours to ask.
   const std::int64_t column = cell % side_, row = cell / side_;
-  if (column < 1 || row < 1 || column >= side_ - 1 || row >= side_ - 1) return index;
-  Sums front, back;
-  double nx = 0, ny = 0;  // of the front
-  const auto add = [&](std::int32_t first, double w, double ox, double oy) {
-    for (std::int32_t at = first; at >= 0; at = sums_[static_cast<size_t>(at)].back) {
-      const Sums& sums = sums_[static_cast<size_t>(at)];
-      if (nx == 0 && ny == 0) nx = sums.nx, ny = sums.ny;
-      (two_sided_ && areOpposite(nx, ny, sums.nx, sums.ny) ? back : front).add(sums, w, ox, oy);
-    }
+  const auto isWithin = [&](int reach) {
+    return column >= reach && row >= reach && column < side_ - reach && row < side_ - reach;
   };
-  if (const std::int32_t own = sums_of_[static_cast<size_t>(cell)]; own >= 0)
-    nx = sums_[static_cast<size_t>(own)].nx, ny = sums_[static_cast<size_t>(own)].ny;
-  for (int r = -1; r <= 1; ++r)
-    for (int k = -1; k <= 1; ++k)
-      add(sums_of_[static_cast<size_t>(cell + r * side_ + k)], (r == 0 ? 1.0 : 0.5) * (k == 0 ? 1.0 : 0.5),
-          k * cell_m_, r * cell_m_);
+  if (!isWithin(kNear)) return index;
+  auto [front, back] = pooled(cell, kNear);
+  const double count = front.n + back.n;
+  if (widens_ && scans_ >= kLeastScans && count > 0 && count < kFewPoints && isWithin(kWide)) {
+    const Faces wide = pooled(cell, kWide);
+    if (isFlat(wide)) front = wide.front, back = wide.back;
+  }
   if (front.n + back.n < 2) return index;
   index = static_cast<std::int32_t>(surfels_.size());
   const bool are_two = areTwoFaces(front, back);
@@ -176,11 +216,7 @@ std::int32_t SurfelMap::makeSurfel(std::int64_t cell) const {
 
 /// The surfel of these points, from the centre of the cell.
 void SurfelMap::pushSurfel(const Sums& pooled, std::int64_t column, std::int64_t row) const {
-  const double mx = pooled.x / pooled.n, my = pooled.y / pooled.n;
-  const double xx = pooled.xx / pooled.n - mx * mx, yy = pooled.yy / pooled.n - my * my;
-  const double xy = pooled.xy / pooled.n - mx * my;
-  const double half = (xx - yy) / 2, root = std::sqrt(half * half + xy * xy);
-  const double along = (xx + yy) / 2 + root, across = std::max((xx + yy) / 2 - root, 0.0);
+  const auto [mx, my, half, xy, root, along, across] = pooled.spread();
   const double blur2 = blur_m_ * blur_m_;
   // A wall says nothing of where along it one stands, although the points of one cell have a middle.
   const double information_across = 1 / (across + blur2);

@@ -26,9 +26,11 @@ class SurfelMap {
  public:
   /// Cells of `cell_m`; `blur_m` is added to every Gaussian as an isotropic standard deviation. `two_sided`:
   /// the faces of a thin wall are kept apart; without it they are fused, which a coarse match from far off
-  /// needs.
-  SurfelMap(double cell_m, double blur_m, bool two_sided = false)
-      : cell_m_(cell_m), blur_m_(blur_m), two_sided_(two_sided) {}
+  /// needs. `widens`: where a neighbourhood of a wall holds few points of several scans a wider one is
+  /// pooled, so that they tell which way the wall runs; for a robot that is tracked, as a map of few points
+  /// then explains a wrong place better, too.
+  SurfelMap(double cell_m, double blur_m, bool two_sided = false, bool widens = false)
+      : cell_m_(cell_m), blur_m_(blur_m), two_sided_(two_sided), widens_(widens) {}
 
   /// Empty, covering [centre - reach, centre + reach] in both directions; points outside are left out.
   void clear(const core::Point2& centre, double reach_m);
@@ -80,18 +82,29 @@ class SurfelMap {
   }
 
  private:
+  /// Mean and covariance of points: half of what the variances differ by, the mixed term, the root of the sum
+  /// of both squares; along the direction of most spread, and across it.
+  struct Spread {
+    double mx, my, half, xy, root, along, across;
+  };
   struct Sums {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;  ///< from the centre of the cell
     double nx = 0, ny = 0;                               ///< normals, towards the lidar
     std::int32_t back = -1;                              ///< of the points seen from the other side
     std::int32_t first_view = std::numeric_limits<std::int32_t>::max();
     void add(const Sums& other, double w, double ox, double oy);
+    Spread spread() const;
   };
   static constexpr std::int32_t kUnknown = -1, kNone = -2;
   /// Points that were all seen from one side have normals whose mean is at least this long: half a unit, as
   /// far as normals may point apart that are not opposite.
   static constexpr double kOneSided = 0.5;
   static constexpr double kThickness_m = 0.1;  ///< of the walls of buildings, roughly
+  struct Faces {
+    Sums front, back;
+  };
+  Faces pooled(std::int64_t cell, int reach) const;
+  static bool isFlat(const Faces& faces);
   std::int32_t makeSurfel(std::int64_t cell) const;
   static bool areTwoFaces(const Sums& front, const Sums& back);
   std::int32_t indexOf(std::int64_t column, std::int64_t row);
@@ -99,10 +112,11 @@ class SurfelMap {
   void pushSurfel(const Sums& pooled, std::int64_t column, std::int64_t row) const;
 
   double cell_m_, blur_m_;
-  bool two_sided_;
+  bool two_sided_, widens_;
   double per_cell_ = 0, extent_m_ = 0;
   core::Point2 origin_;
   std::int64_t side_ = 0;
+  int scans_ = 0;                                ///< taken in since clear()
   std::vector<std::int32_t> sums_of_;            ///< per cell, -1: no point
   mutable std::vector<std::int32_t> surfel_of_;  ///< per cell
   std::vector<Sums> sums_;
