@@ -17,8 +17,10 @@ constexpr double kPausePerReach = 0.1, kRivalPause = 2;
 /// Keyframes nearer to each other count as this far apart.
 constexpr double kLeastDistance_m = 0.1;
 /// 95 of 100 right loops have no larger innovation (chi-square, three degrees of freedom). How many times as
-/// far others are followed, at most.
-constexpr double kLikelyInnovation = 7.8, kMostUnlikely = 4;
+/// far others are followed, at most; and those that only a path allows for which is overconfident, up to so
+/// many times GraphOptions::loop_innovation, as many times as their innovation is larger: it takes 24 scans
+/// at least that all fit.
+constexpr double kLikelyInnovation = 7.8, kMostUnlikely = 4, kOverconfident = 2;
 
 }  // namespace
 
@@ -69,6 +71,14 @@ double LoopCloser::innovationOf(keyframes::Hypothesis& place, LoopJudge& judge) 
   return place.innovation;
 }
 
+/// How many times as far as a likely place one is followed until it is accepted, and by as many more scans.
+double LoopCloser::timesAsFar(double innovation) const {
+  const bool may_be_right =
+      innovation > options_->loop_innovation && innovation <= kOverconfident * options_->loop_innovation;
+  return may_be_right ? innovation / kLikelyInnovation
+                      : std::min(innovation / kLikelyInnovation, kMostUnlikely);
+}
+
 /// Whether a place was followed for long enough that it would be known if another one were as good: the
 /// longer, the less likely the way between makes it.
 bool LoopCloser::isFollowedEnough(keyframes::Hypothesis& place, LoopJudge& judge) const {
@@ -76,7 +86,7 @@ bool LoopCloser::isFollowedEnough(keyframes::Hypothesis& place, LoopJudge& judge
   if (followed_m < options_->loop_confirm_m) return false;
   const bool is_joined = map_->componentOf(place.keyframe) == map_->componentOf(place.old_keyframe);
   if (is_joined) {
-    const double unlikely = std::min(innovationOf(place, judge) / kLikelyInnovation, kMostUnlikely);
+    const double unlikely = timesAsFar(innovationOf(place, judge));
     // In a log with few scans a place is soon followed far.
     if (followed_m < options_->loop_confirm_m * unlikely ||
         place.confirmations < options_->loop_confirmations * unlikely)
@@ -243,6 +253,8 @@ std::optional<double> LoopCloser::ruledOutBy(const keyframes::Hypothesis& loop, 
   if (map_->componentOf(loop.keyframe) != map_->componentOf(loop.old_keyframe)) return std::nullopt;
   const double off = judge.innovation(loop);
   if (off <= options_->loop_innovation) return std::nullopt;
+  const bool is_sure = loop.confirmations >= options_->loop_confirmations * off / kLikelyInnovation;
+  if (is_sure && off <= kOverconfident * options_->loop_innovation) return std::nullopt;
   return off;
 }
 

@@ -68,6 +68,7 @@ class LoopCloser {
  private:
   std::optional<Accepted> accept(const keyframes::Hypothesis& loop, LoopJudge& judge);
   std::optional<double> ruledOutBy(const keyframes::Hypothesis& loop, LoopJudge& judge) const;
+  double timesAsFar(double innovation) const;
   bool isConfirmed(const keyframes::Hypothesis& place) const;
   bool isCompared(const keyframes::Hypothesis& place) const;
   std::optional<Accepted> acceptConfirmed();

@@ -199,6 +199,27 @@ TEST(ClosingLoops, RejectsWhatTheWayRulesOut) {
       << "a metre was possible before";
 }
 
+// A path may be surer of itself than it should be.
+TEST(ClosingLoops, AcceptWhatTheWayHardlyAllowsForOnceManyScansConfirmIt) {
+  Driven row(5);
+  auto loop = loopTo(row.map, 0, 4, {2, 1.8, 0}, {1e4, 1e4, 1e6});
+  loop.confirmations = row.map.options().loop_confirmations;
+  EXPECT_FALSE(row.loops.accept(loop));
+  const double off = row.map.journal().back().value, gate = row.map.options().loop_innovation;
+  ASSERT_GT(off, gate);
+  ASSERT_LT(off, 2 * gate);
+  const double likely = 7.8;  // 95 of 100 right loops lie within it
+  loop.confirmations = static_cast<int>(row.map.options().loop_confirmations * off / likely);
+  EXPECT_FALSE(row.loops.accept(loop)) << "one scan too few";
+  ++loop.confirmations;
+  EXPECT_TRUE(row.loops.accept(loop));
+  // Of what lies farther none are enough.
+  Driven other(5);
+  auto far = loopTo(other.map, 0, 4, {2, 3, 0}, {1e4, 1e4, 1e6});
+  far.confirmations = 1000;
+  EXPECT_FALSE(other.loops.accept(far));
+}
+
 /// A row, and another part beside it that was laid out elsewhere.
 struct TwoParts : Driven {
   TwoParts() : Driven(3) {
