@@ -198,6 +198,8 @@ class GraphSlam {
   void setMapHere();
   void setMapNear(const core::Point2& centre);
   double knownShare(const Points& points, const core::Pose2& T_map_robot) const;
+  bool isToldByScans(const core::Pose2& T, const std::vector<scanmatch::PatchPoint>& points,
+                     const keyframes::Expected& e) const;
   void followWheels(const core::Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained);
   void forgetWheels();
   void noteWheels();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include "libslam/core/elementary.h"
@@ -89,16 +90,20 @@ keyframes::Expected GraphSlam::expect(const Pose2& T_previous_robot, bool has_od
   return e;
 }
 
-/// The start that explains most of a scan, odometry's unless another is better by more than kStartGain.
+/// The start that explains most of a scan, less what odometry holds against it; odometry's own unless it
+/// explains more than that by kStartGain. Turned by a quarter a crossing looks much alike.
 keyframes::Start GraphSlam::bestStart(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                                       const keyframes::Expected& e) const {
   const double own = surfelScore(points, maps_.coarse, e.predicted, keyframes::kKernel, keyframes::kStride);
   keyframes::Start best{e.predicted, kStartGain};
+  double worth = -std::numeric_limits<double>::infinity();  // of the best start but odometry's own
   const auto consider = [&](const Pose2& candidate) {
-    const double gain = surfelScore(points, maps_.coarse, candidate, keyframes::kKernel, keyframes::kStride,
-                                    own + best.gain) -
-                        own;
-    if (gain > best.gain) best = {candidate, gain};
+    const double against = e.has_odometry ? unlikely(candidate, e) / keyframes::kNatsPerScan : 0;
+    const double least = std::max(kStartGain, worth + against);
+    const double gain =
+        surfelScore(points, maps_.coarse, candidate, keyframes::kKernel, keyframes::kStride, own + least) -
+        own;
+    if (gain > least) best = {candidate, gain}, worth = gain - against;
   };
   consider(e.T_before * T_previous_robot_);
   consider(e.backwards);
@@ -240,7 +245,8 @@ GraphSlam::Step GraphSlam::track(const lidar::Scan& scan, const Pose2& T_previou
     return core::distance(T, from) > kLetGo * e.step.sigma_xy_m ||
            std::abs(core::angleDifference(T.phi, from.phi)) > kLetGo * e.step.sigma_turn_rad;
   };
-  followWheels(e.by_wheels, has_odometry && isFarFrom(e.predicted), isFarFrom(e.by_wheels), !is_poor);
+  const bool lets_go = has_odometry && isFarFrom(e.predicted) && !isToldByScans(T, points, e);
+  followWheels(e.by_wheels, lets_go, isFarFrom(e.by_wheels), !is_poor);
   T_previous_robot_ = core::between(e.T_before, T);
   T_keyframe_robot_ = core::between(map_->pose(anchor_), T);
   T_odometry_ = T_odometry_ * e.step.T_previous_robot;
@@ -258,6 +264,16 @@ GraphSlam::Step GraphSlam::track(const lidar::Scan& scan, const Pose2& T_previou
   step.drift_covariance = driftSinceKeyframe();
   step.pose_covariance = covariance_;
   return step;
+}
+
+/// Whether the scan before says more for a match than odometry says against it, in a map that holds too few
+/// keyframes to be asked later which of them was right: it could not grow meanwhile.
+bool GraphSlam::isToldByScans(const Pose2& T, const std::vector<PatchPoint>& points,
+                              const keyframes::Expected& e) const {
+  if (static_cast<int>(map_keyframes_.size()) >= options_.loop_confirmations) return false;
+  const double less_broken =
+      brokenBy(points, e.step.T_previous_robot) - brokenBy(points, core::between(e.T_before, T));
+  return keyframes::kNatsPerScan * less_broken > unlikely(T, e);
 }
 
 /// Where odometry alone has the robot since it was let go, for as long as it may have been right after all.
