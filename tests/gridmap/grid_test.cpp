@@ -306,6 +306,35 @@ TEST(Grid, ASurfaceIsTheMeanOfItsFirstSixteenReturns) {
   EXPECT_NEAR(grid.at(26, 0)->shift_x * 0.05 / 1024, -0.105, 2e-4);
 }
 
+TEST(Grid, AWallThatComesBackIsTheMeanOfItsNewReturns) {
+  lidar::Scan scan;
+  scan.step_rad = 0.01, scan.max_range_m = 30;
+  Grid grid({});
+  const auto see = [&](float range_m, int times) {
+    scan.ranges_m = {range_m};
+    for (int i = 0; i < times; ++i) grid.insert(scanRays(scan, {}), {0, 0.025, 0});
+  };
+  see(1.205F, 20);
+  ASSERT_TRUE(grid.at(24, 0)->occupied());
+  see(2, 20);
+  ASSERT_FALSE(grid.at(24, 0)->occupied());
+  see(1.245F, 20);
+  ASSERT_TRUE(grid.at(24, 0)->occupied());
+  EXPECT_NEAR(grid.at(24, 0)->shift_x * 0.05 / 1024, 0.02, 2e-4);
+}
+
+TEST(Grid, ManyReturnsOfOneScanInACellAreOneHit) {
+  lidar::Scan scan;
+  scan.step_rad = 0.001, scan.max_range_m = 30;
+  scan.ranges_m = {1.22F};
+  Grid once({}), often({});
+  once.insert(scanRays(scan, {}), {0, 0.025, 0});
+  scan.ranges_m = {1.22F, 1.22F, 1.22F, 1.22F};
+  often.insert(scanRays(scan, {}), {0, 0.025, 0});
+  EXPECT_EQ(often.at(24, 0)->log_odds, once.at(24, 0)->log_odds);
+  EXPECT_EQ(often.at(24, 0)->returns, 4) << "of the surface's place";
+}
+
 TEST(Grid, TheSameInsertionsGiveTheSameCells) {
   EXPECT_TRUE(sameCells(randomGrid(10, 7), randomGrid(10, 7)));
 }

@@ -299,6 +299,14 @@ TEST(RelativeError, MeasuresDistanceAlongTheWholeTruthNotAlongTheSparseEstimate)
   EXPECT_NEAR(e.translation_m.mean, 0.5, kExact);
 }
 
+TEST(RelativeError, MeasuresDistanceToBetweenTheTruthsStamps) {
+  const Trajectory truth = straightLine(5, 1);
+  const Trajectory estimate = {{0, {0, 0, 0}}, {0.9, {1, 0, 0}}, {4, {4.3, 0, 0}}};
+  const auto e = relativeErrorOverDistance(truth, estimate, 0.9);
+  EXPECT_EQ(e.translation_m.count, 2U);
+  EXPECT_NEAR(e.translation_m.mean, (0.1 + 0.2) / 2, kExact);
+}
+
 TEST(RelativeError, WithoutAPairIsNaNWithCountZero) {
   for (const auto& e : {relativeErrorOverDistance(straightLine(5, 1), straightLine(5, 1), 4.1),
                         relativeErrorOverTime(straightLine(5, 1), straightLine(5, 1), 4.1),

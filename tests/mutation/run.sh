@@ -72,7 +72,7 @@ builds() {
 passes() {
   local program
   for program in $(tests_of "$1"); do
-    (cd "$build" && timeout 600 "tests/test_$program" --gtest_brief=1 --gtest_filter="$(filter_of "$1")" > "$work/tests.txt" 2>&1) || return 1
+    (cd "$build" && timeout 600 "tests/test_$program" --gtest_brief=1 --gtest_fail_fast --gtest_filter="$(filter_of "$1")" > "$work/tests.txt" 2>&1) || return 1
   done
 }
 

@@ -83,6 +83,24 @@ TEST(CoverSearch, FindsTheShortestTourOfAFew) {
   }
 }
 
+// What is tried while it is warm may be longer.
+TEST(CoverSearch, GivesTheShortestThatItCameBy) {
+  core::RandomStream random(12, "views");
+  for (int trial = 0; trial < 30; ++trial) {
+    std::vector<core::Point2> places;
+    std::vector<std::uint64_t> seen{1};
+    for (int v = 0; v < 12; ++v) {
+      places.push_back({0.5 + 7 * random.uniform(), 0.5 + 2.5 * random.uniform()});
+      seen.push_back(random.below(1U << 24U) & random.below(1U << 24U));
+    }
+    const Hall hall(places, seen);
+    CoverSearch search(hall.graph, hall.views);
+    const double at_first_m = search.length(search.search(24, 0, [] {}));
+    for (const int rounds : {1, 2, 3})
+      EXPECT_LE(search.length(search.search(24, rounds, [] {})), at_first_m + 1e-9) << "trial " << trial;
+  }
+}
+
 TEST(CoverSearch, StaysWhereAllIsSeen) {
   const Hall hall({{1, 1}, {7, 1}}, {0b111, 0b011, 0b100});
   CoverSearch search(hall.graph, hall.views);

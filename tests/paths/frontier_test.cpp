@@ -83,5 +83,18 @@ TEST(FrontierCells, KeptAreThoseOfTheWholeMapWhateverChanges) {
   EXPECT_EQ(kept.cells(), frontierCells(space));
 }
 
+TEST(FrontierCells, OfTheRowsBesideWhatHasChangedAreFoundAnew) {
+  const auto before = readFreeSpace(drawnMap({"......", "......", "......", "......", "......"}));
+  const auto after = readFreeSpace(drawnMap({"......", "......", "..?...", "......", "......"}));
+  FrontierCells kept;
+  kept.update(before, {0, 0, before.columns, before.rows});
+  int cell = 0;
+  while (before.state[static_cast<size_t>(cell)] == after.state[static_cast<size_t>(cell)]) ++cell;
+  const int column = cell % after.columns, row = cell / after.columns;
+  kept.update(after, {column, row, column + 1, row + 1});
+  EXPECT_EQ(kept.cells(), frontierCells(after));
+  EXPECT_NE(frontierCells(after), frontierCells(before));
+}
+
 }  // namespace
 }  // namespace slam::paths

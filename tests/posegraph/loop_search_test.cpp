@@ -123,6 +123,25 @@ TEST(LoopSearch, ALoopThatAloneHoldsAPartStaysOn) {
   }
 }
 
+TEST(LoopSearch, OfTiesThatContradictEachOtherTheCheapestStays) {
+  for (const bool first_is_stronger : {false, true}) {
+    PoseGraph graph;
+    graph.addNode({});
+    graph.setFixed(0);
+    graph.addNode({5, 0, 0});
+    Edge edge;
+    edge.from = 0, edge.to = 1, edge.kind = EdgeKind::kLoop;
+    edge.T_from_to = {5, 0, 0};
+    edge.information *= first_is_stronger ? 2e4 : 1e4;
+    const int first = graph.addEdge(edge);
+    edge.T_from_to = {5, 7, 0};
+    edge.information *= first_is_stronger ? 0.5 : 2;
+    const int second = graph.addEdge(edge);
+    const auto result = optimize(graph, robust("global"));
+    EXPECT_THAT(result.switched_off, ::testing::ElementsAre(first_is_stronger ? second : first));
+  }
+}
+
 TEST(LoopSearch, TheOnlyTieIsNotJudged) {
   for (const char* how : {"local", "global"}) {
     PoseGraph graph;
