@@ -75,6 +75,17 @@ TEST(ToFrames, GivesOneFrameAScanWithTheMotionSinceTheScanBefore) {
   EXPECT_EQ((*actions->begin())->timestamp, mrptTime(kStart_s + 1));
 }
 
+TEST(ToFrames, BeginWithoutTheMotionBeforeTheFirstScan) {
+  const testing::TempFolder folder;
+  {
+    RawObjects log(folder / "a.rawlog");
+    log << rawOdometry(kStart_s - 1, 5) << rawOdometry(kStart_s - 0.5, 7) << rawOdometry(kStart_s, 8)
+        << rawScan(kStart_s, "L") << rawOdometry(kStart_s + 1, 9) << rawScan(kStart_s + 1, "L");
+  }
+  EXPECT_THAT(shape(inForm(folder / "a.rawlog", rawlogs::RawlogForm::kActionFrame)),
+              ElementsAre("A(0.00)", "F(L)", "A(1.00)", "F(L)"));
+}
+
 TEST(ToFrames, LetsActionsAndFramesPassAndTakesBareOnesIn) {
   const testing::TempFolder folder;
   {

@@ -212,6 +212,23 @@ TEST(RosSource, TakesOdometryFromTfWhereNothingElseHasIt) {
   EXPECT_EQ(only<CObservation2DRangeScan>(objects).at(0)->sensorPose.x(), 0.2);
 }
 
+TEST(RosSource, FindsTheOdometryThatSpeaksSomeSecondsLater) {
+  FakeBag bag;
+  bag.add("/tf_static", bags::kTransformsType, kRosStart_ns,
+          transforms({transform("base_link", "laser", {0.2, 0, 0})}));
+  bag.add("/filtered", bags::kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 1));
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
+  for (const std::int64_t after_ns : {1'000'000'000LL, 4'000'000'000LL}) {
+    bag.add("/scan", bags::kLaserScanType, kRosStart_ns + after_ns, laserScan("laser", {1, 2, 3}));
+    bag.add("/odom", bags::kOdometryType, kRosStart_ns + 3 * after_ns / 2,
+            rosOdometry(kRosStart_ns + 3 * after_ns / 2, 2));
+  }
+  const auto source = bag.open();
+  const auto odometry = only<CObservationOdometry>(readAll(*source));
+  ASSERT_EQ(odometry.size(), 2U);
+  EXPECT_EQ(odometry[0]->odometry.x(), 2);
+}
+
 TEST(RosSource, PrefersTheOdometryTopicToTfAndOneTopicToTheOthers) {
   FakeBag bag;
   bag.add("/tf", bags::kTransformsType, kRosStart_ns,

@@ -190,6 +190,28 @@ TEST(Crowd, LegsStayWithinTheDiscAndAStandingLegStands) {
   EXPECT_GT(still, steps * 8 / 10);
 }
 
+TEST(Crowd, TakesNearlyTwoStepsASecond) {
+  Crowd crowd(hall(15, 15), people(1), 4, kFarAway);
+  std::vector<Disc> bodies;
+  int ticks = 0, steps = 0;
+  double ahead_before = 0;
+  for (int tick = 0; tick < 8000; ++tick) {
+    crowd.tick(kFarAway);
+    bodies.clear();
+    crowd.appendBodies(bodies);
+    const Person& walker = crowd.people()[0];
+    const double ahead =
+        (bodies[0].p.x - walker.p.x) * walker.heading.x + (bodies[0].p.y - walker.p.y) * walker.heading.y;
+    const bool walks = std::hypot(walker.velocity_mps.x, walker.velocity_mps.y) > 0.8;
+    ticks += walks;
+    // A leg passes the body once in a step.
+    steps += walks && (ahead > 0) != (ahead_before > 0);
+    ahead_before = ahead;
+  }
+  ASSERT_GT(ticks, 2000);
+  EXPECT_NEAR(steps / (ticks * 0.025), 1.9, 0.1);
+}
+
 TEST(Crowd, IsSeenAsDiscsWhenAsked) {
   LivingOptions options = people(2);
   options.body = "disc";
