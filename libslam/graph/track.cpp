@@ -98,12 +98,12 @@ keyframes::Start GraphSlam::bestStart(const lidar::Scan& scan, const std::vector
   keyframes::Start best{e.predicted, kStartGain};
   double worth = -std::numeric_limits<double>::infinity();  // of the best start but odometry's own
   const auto consider = [&](const Pose2& candidate) {
-    const double against = e.has_odometry ? unlikely(candidate, e) / keyframes::kNatsPerScan : 0;
-    const double least = std::max(kStartGain, worth + against);
-    const double gain =
-        surfelScore(points, maps_.coarse, candidate, keyframes::kKernel, keyframes::kStride, own + least) -
-        own;
-    if (gain > least) best = {candidate, gain}, worth = gain - against;
+    const double gain = surfelScore(points, maps_.coarse, candidate, keyframes::kKernel, keyframes::kStride,
+                                    own + std::max(kStartGain, worth)) -
+                        own;
+    if (gain <= std::max(kStartGain, worth)) return;
+    const double left = e.has_odometry ? gain - unlikely(candidate, e) / keyframes::kNatsPerScan : gain;
+    if (left > worth) best = {candidate, gain}, worth = left;
   };
   consider(e.T_before * T_previous_robot_);
   consider(e.backwards);
