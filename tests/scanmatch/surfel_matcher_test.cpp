@@ -165,7 +165,7 @@ TEST(SurfelMap, OfFewPointsKnowsWhichWayAWallRunsByAWiderNeighbourhood) {
   EXPECT_EQ(meanTurn_rad(true, 1), meanTurn_rad(false, 1));
 }
 
-// Posts 20 cm apart, each way.
+// Posts 15 cm apart, each way.
 TEST(SurfelMap, OfFewPointsThatAreNoWallIsNotWidened) {
   SurfelMap narrow(0.1, 0.02, true, false), wide(0.1, 0.02, true, true);
   for (SurfelMap* map : {&narrow, &wide}) {
@@ -174,13 +174,14 @@ TEST(SurfelMap, OfFewPointsThatAreNoWallIsNotWidened) {
       std::vector<PatchPoint> posts;
       for (int x = -8; x < 8; ++x)
         for (int y = -8 + scan; y < 8; y += 2)
-          posts.push_back({0.05F + 0.2F * static_cast<float>(x), 0.05F + 0.2F * static_cast<float>(y), 0, 0});
+          posts.push_back(
+              {0.05F + 0.15F * static_cast<float>(x), 0.05F + 0.15F * static_cast<float>(y), 0, 0});
       map->add(posts, {});
     }
   }
   int count = 0;
-  for (double x = -1; x < 1; x += 0.1)
-    for (double y = -1; y < 1; y += 0.1) {
+  for (double x = -0.8; x < 0.8; x += 0.1)
+    for (double y = -0.8; y < 0.8; y += 0.1) {
       const Surfel *one = narrow.at(x - narrow.origin().x, y - narrow.origin().y),
                    *other = wide.at(x - wide.origin().x, y - wide.origin().y);
       ASSERT_EQ(one == nullptr, other == nullptr);
