@@ -51,6 +51,7 @@ nlohmann::ordered_json toJson(const logs::LogInfo& info,
       {"longest_gap_s", info.longest_gap_s},
       {"no_return_share", info.no_return_share},
       {"lost_share", info.lost_share},
+      {"remarks", info.remarks},
       {"stamps_run_back", info.stamps_run_back},
       {"truth", truth},
       {"streams", toJson(streams)}};
@@ -74,6 +75,7 @@ void printScans(const logs::LogInfo& info) {
   line("mounted at", "x %.3f m, y %.3f m, yaw %.2f deg", info.T_robot_lidar.x, info.T_robot_lidar.y,
        core::radToDeg(info.T_robot_lidar.phi));
   line("readings", "%.1f %% no return, %.1f %% lost", 100 * info.no_return_share, 100 * info.lost_share);
+  for (const auto& remark : info.remarks) line("remark", "%s", remark.c_str());
   line("time", "%.1f s from %.3f, a scan every %.3f s, longest gap %.3f s%s",
        info.last_time_s - info.first_time_s, info.first_time_s, info.median_scan_period_s, info.longest_gap_s,
        info.stamps_run_back ? ", stamps run back" : "");

@@ -82,6 +82,7 @@ LogInfo inspectLog(const std::string& path) {
   info.other_observations = counts.other_observations;
   info.scans_by_label = counts.scans_by_label;
   info.sensor_label = reader.sensorLabel();
+  info.remarks = reader.remarks();
   return info;
 }
 

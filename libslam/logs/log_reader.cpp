@@ -17,6 +17,7 @@
 #include "libslam/lidar/mrpt_types.h"
 #include "libslam/logs/lidar_choice.h"
 #include "libslam/logs/log_format.h"
+#include "libslam/logs/unmarked_no_return.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
@@ -200,6 +201,9 @@ struct LogReader::State {
     for (const auto& label : chosen)
       if (const auto why = impossibleSweep(seen, label); !why.empty())
         no_sweep.push_back(label), remarks.push_back(why);
+    for (const auto& label : chosen)
+      if (const auto found = unmarkedNoReturn(seen, label))
+        no_return_m[label] = found->reading_m, remarks.push_back(sayUnmarked(*found, label));
   }
 
   /// One step more; false at the end, or where the log breaks.
@@ -243,9 +247,16 @@ struct LogReader::State {
     entry.lidar = std::move(step.seen.lidar);
     entry.scan = std::move(step.seen.scan);
     entry.sweep = step.seen.sweep;
-    dropImpossible(entry.lidar, entry.sweep);
-    for (auto& other : entry.others) dropImpossible(other.lidar, other.sweep);
+    mend(entry.lidar, entry.scan, entry.sweep);
+    for (auto& other : entry.others) mend(other.lidar, other.scan, other.sweep);
     return entry;
+  }
+
+  /// What remarks() say of a lidar.
+  void mend(const std::string& label, lidar::Scan& scan, std::optional<lidar::Sweep>& sweep) const {
+    dropImpossible(label, sweep);
+    if (const auto found = no_return_m.find(label); found != no_return_m.end())
+      markNoReturns(scan, found->second);
   }
 
   void dropImpossible(const std::string& label, std::optional<lidar::Sweep>& sweep) const {
@@ -291,7 +302,8 @@ struct LogReader::State {
   std::string lidars_wanted;
   bool is_chosen = false;
   std::vector<std::string> chosen, remarks;
-  std::vector<std::string> no_sweep;  ///< lidars whose stated sweep cannot be
+  std::vector<std::string> no_sweep;         ///< lidars whose stated sweep cannot be
+  std::map<std::string, float> no_return_m;  ///< see unmarkedNoReturn()
   std::deque<Step> ahead;
   std::exception_ptr error_ahead;
   rawlogs::Motion motion;  ///< since the last entry

@@ -71,6 +71,10 @@ struct LogCounts {
 /// than 1.2 of the period between the scans of its lidar (the median among the first 100 scans) is none:
 /// remarks() say so.
 ///
+/// No-returns that the log gives as distances (a log that knows of no maximum range, or of another one): what
+/// is the largest of the first 100 scans' readings, to the last bit, in a hundredth of them, over a tenth of
+/// the beams, and ten times as often as any other far distance, is no distance. remarks() say so.
+///
 /// Stamps: a scan without one gets that of the newest action or odometry reading before it; without either,
 /// an InputError.
 ///
@@ -104,7 +108,8 @@ class LogReader {
   const std::string& sensorLabel() const;
   /// All labels that next() gives, the main one first; empty before the first call.
   const std::vector<std::string>& lidars() const;
-  /// Lines for people: about each lidar that kAllLidars leaves out, and each sweep that cannot be.
+  /// Lines for people: about each lidar that kAllLidars leaves out, each sweep that cannot be, and each lidar
+  /// whose no-returns are marked here.
   const std::vector<std::string>& remarks() const;
 
  private:
@@ -122,6 +127,7 @@ struct LogInfo {
   std::uint64_t odometry_readings = 0, other_observations = 0;
   double first_time_s = 0, last_time_s = 0;  ///< earliest and latest stamp of a scan
   std::string sensor_label;                  ///< the lidar that LogReader gives
+  std::vector<std::string> remarks;          ///< LogReader's
   std::map<std::string, std::uint64_t> scans_by_label;
   int beams = 0;  ///< this and the next four: of the first scan
   double fov_rad = 0, step_rad = 0, max_range_m = 0;
