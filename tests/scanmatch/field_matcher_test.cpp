@@ -154,6 +154,15 @@ TEST(FieldMatcher, PointsWithoutANormalHardlyHoldAScanAlongACorridor) {
   EXPECT_NEAR(off.y, 0, 0.005);
 }
 
+// To both sides of the robot, a metre off: a radian moves them by as much as a metre does.
+TEST(FieldMatcher, PointsWithoutANormalHoldTheHeadingByTheirLever) {
+  const auto grid = gridOf(corridor(0), {{0, 0, 0}});
+  const std::vector<SurfacePoint> points = {{{0, 1}, {}}, {{0, -1}, {}}};
+  const auto match = alignToField(points, grid, {}, {}, {});
+  ASSERT_GT(match.information(0, 0), 0);
+  EXPECT_NEAR(match.information(2, 2) / match.information(0, 0), 1, 0.05);
+}
+
 TEST(FieldMatcher, TheResidualIsTheNoiseOfTheRanges) {
   const auto walls = room();
   const auto grid = gridOf(walls, {{0, 0, 0}, {0.4, 0.3, 1}, {-0.4, 0, 3}});

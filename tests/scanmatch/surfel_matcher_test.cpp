@@ -128,6 +128,26 @@ TEST(SurfelMatcher, TheEvidenceTellsNoiseFromWhatNeighbouringPointsHaveInCommon)
   for (const double lagged : off.lagged) EXPECT_GT(lagged, 0.5 * off.squared);
 }
 
+// From which side a point is seen is asked in the map's axes: otherwise its wall would be seen from behind.
+TEST(SurfelMatcher, AWallIsTheSameWhicheverWayTheRobotLooks) {
+  std::vector<PatchPoint> wall;
+  for (int i = -20; i <= 20; ++i) wall.push_back({0.1F * static_cast<float>(i) + 0.05F, 2.05F, -0.03F, 0});
+  SurfelMap map(0.1, 0.02, true);
+  map.clear({}, 5);
+  map.add(wall, {});
+  PosePrior none;
+  MatchOptions once;
+  once.max_iterations = 1;
+  const double told = alignToSurfels(wall, map, {}, none, once).information(1, 1);
+  ASSERT_GT(told, 0);
+  for (const double phi : {0.7, 1.5, 2.5, -1.2}) {
+    const core::Pose2 T{0, 0, phi};
+    std::vector<PatchPoint> seen;
+    for (const auto& point : wall) seen.push_back(core::inverse(T) * point);
+    EXPECT_NEAR(alignToSurfels(seen, map, T, none, once).information(1, 1), told, 1e-3 * told) << phi;
+  }
+}
+
 /// By how much the walls of surfels are turned from a straight one, on average, that a beam struck in every
 /// cell; its ranges err by 2 cm. The beams are shared out among so many scans.
 double meanTurn_rad(bool widens, size_t scans) {
