@@ -157,8 +157,8 @@ void FindingRules::noReturns() {
     say("no_return", Severity::kNote, what + text(", all but %lu marked as such", n(spike.as_returns)));
   else
     say("no_return", Severity::kWarning,
-        what + text("; %lu of them are given as distances: a map gets walls at %.2f m", n(spike.as_returns),
-                    spike.peak_m),
+        what + text("; %lu of them are given as distances: who takes them so gets walls at %.2f m",
+                    n(spike.as_returns), spike.peak_m),
         text("rasterslam filter LOG -o OUT --no-return %.2f", spike.low_m));
 }
 

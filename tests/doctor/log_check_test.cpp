@@ -168,7 +168,7 @@ TEST(LogCheck, FindsTheNoReturnValueWhateverTheLogSaysOfIt) {
   const auto unmarked = check(drive);
   ASSERT_TRUE(unmarked.figures.ranges.spike);
   EXPECT_EQ(unmarked.figures.ranges.spike->readings, unmarked.figures.ranges.spike->as_returns);
-  EXPECT_THAT(said(unmarked.findings, "no_return"), HasSubstr("a map gets walls at 81.83 m"));
+  EXPECT_THAT(said(unmarked.findings, "no_return"), HasSubstr("gets walls at 81.83 m"));
   EXPECT_THAT(said(unmarked.findings, "no_return"), HasSubstr("--no-return 81.83"));
   // What is found is used: the walls at 81.83 m do not spoil the matching.
   EXPECT_NEAR(unmarked.figures.fit.distance_scale.value, 1, 0.02);
