@@ -12,7 +12,8 @@ namespace slam::logs {
 /// What a lidar says where it meets nothing, as far as its log gives that for a distance: m. The largest of
 /// its readings, to the last bit, in one of a hundred readings at least, spread over a tenth of the beams,
 /// and ten times as often as any other distance beyond four fifths of it. Noise never repeats like that; a
-/// wall that a robot at rest looks at fills less of the view, or has neighbours in distance.
+/// wall that a robot at rest looks at fills less of the view, or has neighbours in distance. Stricter than
+/// calibration::RangeTally, which tells people of what may be one, by a whole log.
 struct UnmarkedNoReturn {
   float reading_m;
   double share;  ///< of all readings

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "libslam/posegraph/optimize.h"
 #include "libslam/testing/pose_graphs.h"
@@ -123,14 +124,19 @@ TEST(LoopSearch, ALoopThatAloneHoldsAPartStaysOn) {
   }
 }
 
+/// Two poses that nothing ties yet, and a loop's edge between them for the tests to fill in.
+std::pair<PoseGraph, Edge> twoPoses(const core::Pose2& second) {
+  std::pair<PoseGraph, Edge> result;
+  result.first.addNode({});
+  result.first.setFixed(0);
+  result.first.addNode(second);
+  result.second.from = 0, result.second.to = 1, result.second.kind = EdgeKind::kLoop;
+  return result;
+}
+
 TEST(LoopSearch, OfTiesThatContradictEachOtherTheCheapestStays) {
   for (const bool first_is_stronger : {false, true}) {
-    PoseGraph graph;
-    graph.addNode({});
-    graph.setFixed(0);
-    graph.addNode({5, 0, 0});
-    Edge edge;
-    edge.from = 0, edge.to = 1, edge.kind = EdgeKind::kLoop;
+    auto [graph, edge] = twoPoses({5, 0, 0});
     edge.T_from_to = {5, 0, 0};
     edge.information *= first_is_stronger ? 2e4 : 1e4;
     const int first = graph.addEdge(edge);
@@ -144,12 +150,7 @@ TEST(LoopSearch, OfTiesThatContradictEachOtherTheCheapestStays) {
 
 TEST(LoopSearch, TheOnlyTieIsNotJudged) {
   for (const char* how : {"local", "global"}) {
-    PoseGraph graph;
-    graph.addNode({});
-    graph.setFixed(0);
-    graph.addNode({5, 5, 1});
-    Edge edge;
-    edge.from = 0, edge.to = 1, edge.kind = EdgeKind::kLoop;
+    auto [graph, edge] = twoPoses({5, 5, 1});
     edge.T_from_to = {1, 0, 0};
     edge.information *= 1e6;
     graph.addEdge(edge);
