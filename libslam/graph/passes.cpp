@@ -50,7 +50,7 @@ void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matr
 std::optional<scanmatch::MatchResult> GraphSlam::matchToPass(int k, const std::vector<int>& pass,
                                                              const Pose2& T_map_robot) {
   pass_map_.clear(core::position(T_map_robot), keyframes::kMapReach_m);
-  for (const int other : pass) pass_map_.add(map_->keyframe(other).points, map_->pose(other), other);
+  for (const int other : pass) pass_map_.add(map_->inCells(other), other);
   scanmatch::PosePrior flat;
   flat.mean = T_map_robot;
   flat.information.setIdentity();

@@ -32,7 +32,7 @@ void GraphSlam::refine() {
       around.erase(std::remove(around.begin(), around.end(), k), around.end());
       around = keyframes::firstOf(std::move(around), options_.map_keyframes);
       map.clear(core::position(T), keyframes::kMapReach_m);
-      for (const int other : around) map.add(map_->keyframe(other).points, map_->pose(other));
+      for (const int other : around) map.add(map_->inCells(other));
       flat.mean = T;
       const auto matched = alignToSurfels(map_->keyframe(k).points, map, T, flat, match_options);
       const auto partners = map_->partnersOf(k, around, matched.T_map_robot);

@@ -53,37 +53,57 @@ Beams::Beams(const lidar::Scan& scan, const core::Pose2& T_robot_points)
       error_(AngleOfSquare::kError_rad / scan.step_rad),
       angles_(angleOfSquare().angles()) {}
 
-/// The beam, counted from the first, nearest to the direction of a point. As core::atan2() rounded has it,
-/// but that is seldom asked: most directions are farther from the middle between two beams than a table errs.
-long Beams::beamTowards(const Point2& p) const {
-  const double at = (1 - p.x / (std::abs(p.x) + std::abs(p.y))) * AngleOfSquare::kPiecesAhead;
-  if (at < AngleOfSquare::kPieces) {
-    const double angle = std::copysign(AngleOfSquare::between(angles_, at), p.y);
-    double beam = (angle - scan_.first_angle_rad) * beams_per_rad_;
-    beam += beam < 0 ? beams_per_turn_ : 0;
-    // NOLINTNEXTLINE(bugprone-incorrect-roundings): std::lround() is slow, and this is asked of every point
-    const long above = static_cast<long>(beam + error_ + 0.5);
-    // NOLINTNEXTLINE(bugprone-incorrect-roundings): the same
-    if (above == static_cast<long>(beam - error_ + 0.5)) return above;
-  }
+/// As core::atan2() rounded has it. REQUIRES that this is asked seldom: it is slow.
+long Beams::beamAt(const Point2& p) const {
   const double angle = core::atan2(p.y, p.x) - scan_.first_angle_rad;
   return std::lround((angle < 0 ? angle + 2 * core::kPi : angle) / scan_.step_rad);
 }
 
-Sight Beams::say(const Point2& p) const {
-  const Point2 p_lidar = T_lidar_points_ * p;
+/// The beam, counted from the first, nearest to the direction of a point: that of beamAt(), but most
+/// directions are farther from the middle between two beams than a table errs.
+[[gnu::always_inline]] inline long Beams::beamTowards(const Point2& p) const {
+  const double at = (1 - p.x / (std::abs(p.x) + std::abs(p.y))) * AngleOfSquare::kPiecesAhead;
+  if (!(at < AngleOfSquare::kPieces)) return beamAt(p);
+  const double angle = std::copysign(AngleOfSquare::between(angles_, at), p.y);
+  double beam = (angle - scan_.first_angle_rad) * beams_per_rad_;
+  beam += beam < 0 ? beams_per_turn_ : 0;
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): std::lround() is slow, and this is asked of every point
+  const long above = static_cast<long>(beam + error_ + 0.5);
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): the same
+  return above == static_cast<long>(beam - error_ + 0.5) ? above : beamAt(p);
+}
+
+/// Without branches where scans say now this, now that; numbers by value, which std::min() does not take.
+[[gnu::always_inline]] inline Sight Beams::sayTo(const Point2& p_lidar) const {
   const long beam = beamTowards(p_lidar);
   // Beams are compared with their neighbours.
   if (beam < 1 || beam + 1 >= static_cast<long>(scan_.ranges_m.size())) return Sight::kUnseen;
   const double distance_m = std::sqrt(p_lidar.x * p_lidar.x + p_lidar.y * p_lidar.y);
-  const float* range_m = &scan_.ranges_m[static_cast<size_t>(beam)];
-  const auto agrees = [&](float its_m) { return its_m > 0 && std::abs(its_m - distance_m) < kSame_m; };
-  if (agrees(range_m[0]) || agrees(range_m[-1]) || agrees(range_m[1])) return Sight::kAgreed;
+  const float* range_m = scan_.ranges_m.data() + beam;
   constexpr double kNone_m = 1e9;
-  double nearest_m = kNone_m;
-  for (long beside = -1; beside <= 1; ++beside)
-    if (range_m[beside] > 0 && range_m[beside] < nearest_m) nearest_m = range_m[beside];
-  return nearest_m < kNone_m && nearest_m > distance_m + kSame_m ? Sight::kPassed : Sight::kUnseen;
+  const auto reading = [&](int beside) -> double { return range_m[beside] > 0 ? range_m[beside] : kNone_m; };
+  const auto lesser = [](double a, double b) { return a < b ? a : b; };
+  const double before_m = reading(-1), its_m = reading(0), behind_m = reading(1);
+  const double off_m = lesser(lesser(std::abs(before_m - distance_m), std::abs(its_m - distance_m)),
+                              std::abs(behind_m - distance_m));
+  const double nearest_m = lesser(lesser(before_m, its_m), behind_m);
+  const bool has_agreed = off_m < kSame_m, has_passed = static_cast<int>(nearest_m < kNone_m) &
+                                                        static_cast<int>(nearest_m > distance_m + kSame_m);
+  return has_agreed ? Sight::kAgreed : has_passed ? Sight::kPassed : Sight::kUnseen;
+}
+
+Sight Beams::say(const Point2& p) const {
+  return sayTo(T_lidar_points_ * p);
+}
+
+View Beams::sayOf(const std::vector<scanmatch::PatchPoint>& points, size_t stride) const {
+  View result;
+  for (size_t i = 0; i < points.size(); i += stride) {
+    const Sight seen = sayTo(T_lidar_points_ * position(points[i]));
+    result.agreed += static_cast<int>(seen == Sight::kAgreed);
+    result.passed += static_cast<int>(seen == Sight::kPassed);
+  }
+  return result;
 }
 
 }  // namespace slam::keyframes

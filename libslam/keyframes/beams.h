@@ -12,9 +12,13 @@ class Beams {
   Beams(const lidar::Scan& scan, const core::Pose2& T_robot_points);
 
   Sight say(const core::Point2& p) const;
+  /// The same of every `stride`-th of many points.
+  View sayOf(const std::vector<scanmatch::PatchPoint>& points, std::size_t stride) const;
 
  private:
+  Sight sayTo(const core::Point2& p_lidar) const;
   long beamTowards(const core::Point2& p_lidar) const;
+  long beamAt(const core::Point2& p_lidar) const;
 
   const lidar::Scan& scan_;
   core::RigidMotion2 T_lidar_points_;

@@ -14,12 +14,20 @@ using scanmatch::MatchResult;
 using scanmatch::PatchPoint;
 using scanmatch::PosePrior;
 
+namespace {
+
+/// Keyframes whose points stay sorted: those of a map and of a pass or two beside it.
+constexpr size_t kSorted = 128;
+
+}  // namespace
+
 LevelMaps::LevelMaps(const GraphOptions& o, bool for_tracking)
     : fine(o.cell_m, o.blur_m, for_tracking, for_tracking),
       middle(2 * o.cell_m, o.blur_m + 0.02, false, for_tracking),
       coarse(4 * o.cell_m, o.blur_m + 0.07, false, for_tracking) {}
 
-KeyframeMap::KeyframeMap(const GraphOptions& options) : options_(options), scratch_(options, false) {
+KeyframeMap::KeyframeMap(const GraphOptions& options)
+    : options_(options), scratch_(options, false), sorted_(kSorted) {
   // Memory that is touched for the first time is slow: no scan shall wait for it.
   fill(scratch_, {}, {});
 }
@@ -68,9 +76,21 @@ const LevelMaps& KeyframeMap::mapOf(const std::vector<int>& keyframes, const Poi
   return scratch_;
 }
 
+const scanmatch::ScanInCells& KeyframeMap::inCells(int k) const {
+  const Pose2& T = graph_.pose(k);
+  Sorted& kept = sorted_[static_cast<size_t>(k) % kSorted];
+  const bool is_same = kept.keyframe == k && kept.revision == revision_ && kept.T_map_robot.x == T.x &&
+                       kept.T_map_robot.y == T.y && kept.T_map_robot.phi == T.phi;
+  if (!is_same) {
+    kept.keyframe = k, kept.revision = revision_, kept.T_map_robot = T;
+    kept.scan.sort(keyframe(k).points, T, options_.cell_m);
+  }
+  return kept.scan;
+}
+
 void KeyframeMap::fill(LevelMaps& maps, const std::vector<int>& keyframes, const Point2& centre) const {
   for (auto* map : {&maps.fine, &maps.middle, &maps.coarse}) map->clear(centre, kMapReach_m);
-  for (const int k : keyframes) maps.fine.add(keyframe(k).points, graph_.pose(k), k);
+  for (const int k : keyframes) maps.fine.add(inCells(k), k);
   maps.middle.add(maps.fine);
   maps.coarse.add(maps.middle);
 }

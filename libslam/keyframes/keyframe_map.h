@@ -90,6 +90,9 @@ class KeyframeMap {
   /// The points of these keyframes, map frame.
   std::vector<core::Point2> placeAround(const std::vector<int>& keyframes) const;
 
+  /// A keyframe's points in cells of cell_m at its pose, until another one is asked for. Maps of many of the
+  /// same keyframes are made in a row: those asked for lately are kept.
+  const scanmatch::ScanInCells& inCells(int keyframe) const;
   void fill(LevelMaps& maps, const std::vector<int>& keyframes, const core::Point2& centre) const;
   /// A map of these keyframes, until the next one is asked for.
   const LevelMaps& mapOf(const std::vector<int>& keyframes, const core::Point2& centre) const;
@@ -152,6 +155,12 @@ class KeyframeMap {
   double explained_ = 1, explained_count_ = 0;
   int revision_ = 0, scan_ = 0;
   mutable LevelMaps scratch_;  ///< of mapOf()
+  struct Sorted {
+    int keyframe = -1, revision = 0;
+    core::Pose2 T_map_robot;
+    scanmatch::ScanInCells scan;
+  };
+  mutable std::vector<Sorted> sorted_;  ///< of inCells()
   Known knownFrom(int k) const;
   Eigen::Matrix3d stepCovariance(int k, const Known& known) const;
   std::shared_ptr<const posegraph::Marginals> settled_;  ///< of settle()

@@ -57,14 +57,7 @@ View KeyframeMap::view(int viewer, const Pose2& T_viewer_points,
 
 View view(const lidar::Scan& scan, const Pose2& T_viewer_points, const std::vector<PatchPoint>& points,
           size_t stride) {
-  const Beams beams(scan, T_viewer_points);
-  View result;
-  for (size_t i = 0; i < points.size(); i += stride) {
-    const Sight seen = beams.say(position(points[i]));
-    if (seen == Sight::kAgreed) ++result.agreed;
-    if (seen == Sight::kPassed) ++result.passed;
-  }
-  return result;
+  return Beams(scan, T_viewer_points).sayOf(points, stride);
 }
 
 double KeyframeMap::meanConflict(const std::vector<int>& viewers, const Pose2& T_map_points,

@@ -184,38 +184,53 @@ class SearchInPieces::Window {
     return dc * dc + dr * dr < apart2_;
   }
 
-  /// Sets the node's sum. Given up as soon as the points that are left cannot make it better than the best.
-  bool isWorthIt(Node& node) {
+  /// Sets the sums of nodes of one level and turn, and leaves only those that are worth it, in their order:
+  /// each is given up as soon as the points that are left cannot make it better than the best. By turns, some
+  /// points each, since what neighbours look at lies close together.
+  void sumUp(std::vector<Node>& nodes) {
     constexpr size_t kBlock = 16;
-    if (isExcluded(node)) return false;
-    const auto& [inside, at_edge] = turned_[static_cast<size_t>(node.turn)];
-    const LikelihoodPyramid::Level level = map_.level(node.level);
-    const int shift = level.shift(node.column, node.row);
-    int sum = 0, left = 255 * static_cast<int>(inside.size() + at_edge.size());
-    const auto isBeaten = [&] { return sum + left <= best_sum_; };
-    const auto add = [&](const auto& points, const auto& value) {
-      for (size_t i = 0; i < points.size() && !isBeaten();) {
-        const size_t end = std::min(i + kBlock, points.size());
-        left -= 255 * static_cast<int>(end - i);
-        looks_ += static_cast<double>(end - i);
-        for (; i < end; ++i) sum += value(points[i]);
+    const auto drop = [&nodes](const auto& isBad) {
+      nodes.erase(std::remove_if(nodes.begin(), nodes.end(), isBad), nodes.end());
+    };
+    drop([this](const Node& node) { return isExcluded(node); });
+    if (nodes.empty()) return;
+    const auto& [inside, at_edge] = turned_[static_cast<size_t>(nodes.front().turn)];
+    const LikelihoodPyramid::Level level = map_.level(nodes.front().level);
+    int left = 255 * static_cast<int>(inside.size() + at_edge.size());
+    const auto dropBeaten = [&] { drop([&](const Node& node) { return node.sum + left <= best_sum_; }); };
+    const auto add = [&](const auto& points, const auto& sumOf) {
+      for (size_t i = 0; i < points.size(); i += kBlock) {
+        dropBeaten();
+        if (nodes.empty()) return;
+        const size_t count = std::min(kBlock, points.size() - i);
+        left -= 255 * static_cast<int>(count);
+        looks_ += static_cast<double>(count * nodes.size());
+        for (Node& node : nodes) node.sum += sumOf(node, &points[i], count);
       }
     };
-    add(at_edge, [&](const Cell& cell) { return level(cell.column + node.column, cell.row + node.row); });
-    add(inside, [&](int offset) { return level[offset + shift]; });
-    if (isBeaten()) return false;
-    node.sum = sum;
-    return true;
+    add(at_edge, [&](const Node& node, const Cell* cells, size_t count) {
+      int sum = 0;
+      for (size_t i = 0; i < count; ++i) sum += level(cells[i].column + node.column, cells[i].row + node.row);
+      return sum;
+    });
+    add(inside, [&](const Node& node, const int* offsets, size_t count) {
+      const int shift = level.shift(node.column, node.row);
+      int sum = 0;
+      for (size_t i = 0; i < count; ++i) sum += level[offsets[i] + shift];
+      return sum;
+    });
+    dropBeaten();
   }
 
   /// The whole window, turned once, in squares of the coarsest level that is of use.
   void addRoots(int turn) {
     const int top = std::min(map_.levels() - 1, static_cast<int>(std::ceil(core::log2(2 * reach_ + 1))));
+    family_.clear();
     for (int row = 0; row < width_; row += 1 << top)
-      for (int column = 0; column < width_; column += 1 << top) {
-        Node node{top, turn, column, row, 0};
-        if (isWorthIt(node)) stack_.push_back(node);
-      }
+      for (int column = 0; column < width_; column += 1 << top)
+        family_.push_back({top, turn, column, row, 0});
+    sumUp(family_);
+    stack_.insert(stack_.end(), family_.begin(), family_.end());
   }
 
   void goOn() {
@@ -230,15 +245,15 @@ class SearchInPieces::Window {
 
   /// Its quarters that are worth it, the best last.
   void split(const Node& node) {
-    const auto first = static_cast<std::ptrdiff_t>(stack_.size());
+    family_.clear();
     const int half = 1 << (node.level - 1);
     for (const int dr : {0, half})
-      for (const int dc : {0, half}) {
-        if (node.column + dc >= width_ || node.row + dr >= width_) continue;
-        Node child{node.level - 1, node.turn, node.column + dc, node.row + dr, 0};
-        if (isWorthIt(child)) stack_.push_back(child);
-      }
-    std::stable_sort(stack_.begin() + first, stack_.end(), worse);
+      for (const int dc : {0, half})
+        if (node.column + dc < width_ && node.row + dr < width_)
+          family_.push_back({node.level - 1, node.turn, node.column + dc, node.row + dr, 0});
+    sumUp(family_);
+    std::stable_sort(family_.begin(), family_.end(), worse);
+    stack_.insert(stack_.end(), family_.begin(), family_.end());
   }
 
   const LikelihoodPyramid& map_;
@@ -248,8 +263,8 @@ class SearchInPieces::Window {
   int turns_ = 0, reach_ = 0, width_ = 0, best_sum_ = 0;
   double apart2_ = 0, not_column_ = 0, not_row_ = 0;  ///< in cells
   std::vector<Turned> turned_;
-  int next_turn_ = 0;  ///< that has no roots yet
-  std::vector<Node> stack_;
+  int next_turn_ = 0;                 ///< that has no roots yet
+  std::vector<Node> stack_, family_;  ///< family_: scratch
   std::optional<Node> best_;
   double looks_ = 0;  ///< of the piece at hand
 };

@@ -20,6 +20,26 @@ struct Surfel {
   std::int32_t back;
 };
 
+/// The points of a scan at a pose, those in a row that fall into one cell and are seen from one side summed
+/// up: what maps take in, for a scan that several of them hold.
+class ScanInCells {
+ public:
+  /// Points in the robot frame, cells of the map frame. Uses the memory that is there already.
+  void sort(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot, double cell_m);
+
+ private:
+  friend class SurfelMap;
+  struct Sums {
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;  ///< from the centre of the cell
+    double nx = 0, ny = 0;                               ///< normals, towards the lidar
+  };
+  struct Run {
+    std::int64_t column, row;  ///< of the plane: the cell (0, 0) begins at the origin of the map frame
+    Sums sums;
+  };
+  std::vector<Run> runs_;
+};
+
 /// A square window of such cells, in the map frame (m). Points per cell are kept, and surfels made of them on
 /// demand.
 class SurfelMap {
@@ -36,6 +56,8 @@ class SurfelMap {
   void clear(const core::Point2& centre, double reach_m);
   /// Points of a scan, robot frame. `view` names the scan for firstViewOf().
   void add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot, int view = 0);
+  /// The same, sorted before. REQUIRES cells of this size.
+  void add(const ScanInCells& scan, int view = 0);
   /// The points of a map of smaller cells, each cell of which lies within one of these.
   void add(const SurfelMap& finer);
 
@@ -87,12 +109,10 @@ class SurfelMap {
   struct Spread {
     double mx, my, half, xy, root, along, across;
   };
-  struct Sums {
-    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;  ///< from the centre of the cell
-    double nx = 0, ny = 0;                               ///< normals, towards the lidar
-    std::int32_t back = -1;                              ///< of the points seen from the other side
+  struct Sums : ScanInCells::Sums {
+    std::int32_t back = -1;  ///< of the points seen from the other side
     std::int32_t first_view = std::numeric_limits<std::int32_t>::max();
-    void add(const Sums& other, double w, double ox, double oy);
+    void add(const ScanInCells::Sums& other, double w, double ox, double oy);
     Spread spread() const;
   };
   static constexpr std::int32_t kUnknown = -1, kNone = -2;
@@ -103,24 +123,30 @@ class SurfelMap {
   struct Faces {
     Sums front, back;
   };
-  Faces pooled(std::int64_t cell, int reach) const;
+  struct Cell {
+    std::int32_t column, row;
+  };
+  std::int64_t at(const Cell& cell) const { return cell.row * side_ + cell.column; }
+  void pool(std::int64_t cell, int reach, Faces& faces) const;
   static bool isFlat(const Faces& faces);
   std::int32_t makeSurfel(std::int64_t cell) const;
   static bool areTwoFaces(const Sums& front, const Sums& back);
   std::int32_t indexOf(std::int64_t column, std::int64_t row);
-  Sums& faceOf(std::int32_t index, double ax, double ay);
+  Sums& faceOf(std::int32_t index, const ScanInCells::Sums& seen);
   void pushSurfel(const Sums& pooled, std::int64_t column, std::int64_t row) const;
 
   double cell_m_, blur_m_;
   bool two_sided_, widens_;
   double per_cell_ = 0, extent_m_ = 0;
   core::Point2 origin_;
+  std::int64_t first_column_ = 0, first_row_ = 0;  ///< of the plane
   std::int64_t side_ = 0;
+  ScanInCells scan_;                             ///< scratch of add()
   int scans_ = 0;                                ///< taken in since clear()
   std::vector<std::int32_t> sums_of_;            ///< per cell, -1: no point
   mutable std::vector<std::int32_t> surfel_of_;  ///< per cell
   std::vector<Sums> sums_;
-  std::vector<std::int64_t> cells_;                ///< of sums_
+  std::vector<Cell> cells_;                        ///< those with points
   mutable std::vector<std::int64_t> asked_cells_;  ///< where surfel_of_ is known
   mutable std::vector<Surfel> surfels_;
   mutable std::vector<std::int32_t> first_views_;  ///< of surfels_
