@@ -233,5 +233,31 @@ TEST(KeyframeMap, AMapIsFilledAnewForEveryQuestion) {
   EXPECT_DOUBLE_EQ(score({}), 0);
 }
 
+// Points stay sorted from one map to the next.
+TEST(KeyframeMap, AMapHasKeyframesWhereTheyLieNowAndWhatTheyStillSee) {
+  InRoom in;
+  const auto points = pointsOf(in.at({2, 2, 0.3}), in.map.options());
+  const auto scoreAt = [&](const Pose2& T) {
+    return surfelScore(points, in.map.mapOf({0}, {2, 2}).fine, T, 3, 1);
+  };
+  const double before = scoreAt({2, 2, 0.3});
+  const Pose2 moved{2.4, 1.7, 0.3};
+  in.map.graph().setPose(0, moved);
+  EXPECT_LT(scoreAt({2, 2, 0.3}), 0.5 * before);
+  EXPECT_NEAR(scoreAt(moved), before, 0.1);
+  auto& known = in.map.keyframes()[0].points;
+  known.resize(known.size() / 2);
+  in.map.countRevision();
+  EXPECT_NEAR(scoreAt(moved), before / 2, 0.1);
+  // Keyframes that share a place in what is kept.
+  for (int k = in.map.size(); k <= 128; ++k) addKeyframe(in.map, {2, 2, 0.3}, in.at({2, 2, 0.3}), 0.6, 1);
+  const auto scoreOf = [&](int k) {
+    return surfelScore(points, in.map.mapOf({k}, {2, 2}).fine, {2, 2, 0.3}, 3, 1);
+  };
+  const double whole = scoreOf(128);
+  EXPECT_LT(scoreOf(0), 0.5 * whole);
+  EXPECT_DOUBLE_EQ(scoreOf(128), whole);
+}
+
 }  // namespace
 }  // namespace slam::keyframes

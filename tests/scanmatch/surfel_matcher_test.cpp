@@ -45,6 +45,37 @@ TEST(SurfelMap, IsEmptyFarFromSurfacesOutsideAndAfterClear) {
   EXPECT_EQ(map.at(1.5 - map.origin().x, 3 - map.origin().y), nullptr);
 }
 
+// On both sides of the plane's origin, where cells are counted from.
+TEST(SurfelMap, OfLargerCellsHoldsTheSamePoints) {
+  core::RandomStream chance(3, "lidar");
+  for (const double centre : {0.0, -50.0, 50.0}) {
+    const auto room = rectangle(centre - 4.03, -3.07, centre + 5.02, 3.01);
+    SurfelMap fine(0.1, 0.03), larger(0.2, 0.03), direct(0.2, 0.03);
+    for (SurfelMap* map : {&fine, &larger, &direct}) map->clear({centre, 0}, 12);
+    for (const double phi : {0.0, 1.6, 3.1}) {
+      const core::Pose2 T{centre, 0, phi};
+      const auto points = patchPoints(look(room, T, {}, chance), {});
+      fine.add(points, T);
+      direct.add(points, T);
+    }
+    larger.add(fine);
+    int compared = 0;
+    for (const double side : {-3.07, 3.01})
+      for (double x = centre - 3; x < centre + 4; x += 0.2) {
+        const Surfel *a = larger.at(x - larger.origin().x, side - larger.origin().y),
+                     *b = direct.at(x - direct.origin().x, side - direct.origin().y);
+        ASSERT_EQ(a == nullptr, b == nullptr) << x;
+        if (a == nullptr) continue;
+        ++compared;
+        EXPECT_NEAR(a->x, b->x, 1e-4) << x;
+        EXPECT_NEAR(a->y, b->y, 1e-4) << x;
+        EXPECT_NEAR(a->yy, b->yy, 1e-3 * b->yy) << x;
+        EXPECT_NEAR(a->y + larger.origin().y, side, 0.03) << x;
+      }
+    EXPECT_GT(compared, 40) << centre;
+  }
+}
+
 TEST(SurfelMap, KnowsTheFirstOfTheViewsThatSawASurface) {
   core::RandomStream chance(1, "map");
   const auto room = rectangle(-4, -3, 5, 3);
