@@ -43,6 +43,10 @@ struct Pose2 {
   double y = 0;
   double phi = 0;
 };
+/// The same numbers: headings a turn apart are not.
+inline bool operator==(const Pose2& a, const Pose2& b) {
+  return a.x == b.x && a.y == b.y && a.phi == b.phi;
+}
 
 /// T_a_c = T_a_b * T_b_c.
 Pose2 operator*(const Pose2& T_a_b, const Pose2& T_b_c);

@@ -79,9 +79,7 @@ const LevelMaps& KeyframeMap::mapOf(const std::vector<int>& keyframes, const Poi
 const scanmatch::ScanInCells& KeyframeMap::inCells(int k) const {
   const Pose2& T = graph_.pose(k);
   Sorted& kept = sorted_[static_cast<size_t>(k) % kSorted];
-  const bool is_same = kept.keyframe == k && kept.revision == revision_ && kept.T_map_robot.x == T.x &&
-                       kept.T_map_robot.y == T.y && kept.T_map_robot.phi == T.phi;
-  if (!is_same) {
+  if (kept.keyframe != k || kept.revision != revision_ || !(kept.T_map_robot == T)) {
     kept.keyframe = k, kept.revision = revision_, kept.T_map_robot = T;
     kept.scan.sort(keyframe(k).points, T, options_.cell_m);
   }

@@ -24,10 +24,8 @@ void takeGeometry(const lidar::Scan& scan, LogInfo& info) {
 }
 
 bool hasGeometry(const lidar::Scan& scan, const LogInfo& info) {
-  const auto& mount = scan.T_robot_lidar;
   return static_cast<int>(scan.ranges_m.size()) == info.beams && scan.step_rad == info.step_rad &&
-         scan.max_range_m == info.max_range_m && mount.x == info.T_robot_lidar.x &&
-         mount.y == info.T_robot_lidar.y && mount.phi == info.T_robot_lidar.phi;
+         scan.max_range_m == info.max_range_m && scan.T_robot_lidar == info.T_robot_lidar;
 }
 
 std::string formOf(const LogCounts& counts) {

@@ -164,9 +164,7 @@ std::size_t Coverage::look(const core::Pose2& T_world_lidar, double first_angle_
   const size_t origin_cell = indexOf(plan_, static_cast<int>(origin.x), static_cast<int>(origin.y));
   if (plan_.cells[origin_cell] == world::Cell::kOccupied) return 0;
   // A robot that stands and waits sees what it saw.
-  if (T_world_lidar.x == last_look_.x && T_world_lidar.y == last_look_.y &&
-      T_world_lidar.phi == last_look_.phi)
-    return 0;
+  if (T_world_lidar == last_look_) return 0;
   last_look_ = T_world_lidar;
   const double max_range_cells = rangeInCells(plan_, max_range_m);
   const size_t before = explored_;

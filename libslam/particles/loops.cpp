@@ -31,7 +31,7 @@ void ParticleFilter::alignKeyframes(int newest_scan) {
     const core::Pose2& T = paths_.pose(node).pose;
     const core::Pose2& known = past_->pose(k);
     // From here on they have the same past.
-    if (T.x == known.x && T.y == known.y && T.phi == known.phi) return;
+    if (T == known) return;
     past_->setPose(k, T);
   }
 }

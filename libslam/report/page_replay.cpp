@@ -152,8 +152,7 @@ std::string thinnedNote(const ReportPage& page) {
 
 bool isSamePlan(const world::Plan& a, const world::Plan& b) {
   return a.columns == b.columns && a.rows == b.rows && a.resolution_m == b.resolution_m &&
-         a.T_frame_raster.x == b.T_frame_raster.x && a.T_frame_raster.y == b.T_frame_raster.y &&
-         a.T_frame_raster.phi == b.T_frame_raster.phi && a.cells == b.cells;
+         a.T_frame_raster == b.T_frame_raster && a.cells == b.cells;
 }
 
 /// Sets window and cell.

@@ -21,10 +21,6 @@ core::Point2 along(const core::Point2& p, const core::Point2& direction, double 
   return {p.x + length * direction.x, p.y + length * direction.y};
 }
 
-bool areEqual(const core::Pose2& a, const core::Pose2& b) {
-  return a.x == b.x && a.y == b.y && a.phi == b.phi;
-}
-
 /// The wall that a ray met after range_m if it is not plain; nullopt for plain walls, for what is not in the
 /// plan, and for a ray that starts in the wall.
 std::optional<rays::WallHit> specialWall(const world::Plan& plan, const LidarSensor::Ray& ray,
@@ -54,7 +50,7 @@ std::vector<core::Pose2> beamPoses(const lidar::LidarOptions& options, const cor
   else
     poses.push_back(poseAtBeam(0));
   const bool stood_still =
-      std::all_of(poses.begin(), poses.end(), [&](const auto& pose) { return areEqual(pose, poses[0]); });
+      std::all_of(poses.begin(), poses.end(), [&](const auto& pose) { return pose == poses[0]; });
   if (stood_still) poses.resize(1);
   return poses;
 }
