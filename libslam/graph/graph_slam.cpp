@@ -27,10 +27,8 @@ GraphSlam::GraphSlam(const keyframes::GraphOptions& options)
       map_(std::make_unique<keyframes::KeyframeMap>(options)),
       loops_(*map_),
       finder_(*map_),
-      maps_(options, true),
-      pass_map_(options.cell_m, options.blur_m, true, true) {
+      maps_(options, true) {
   map_->fill(maps_, {}, {});
-  pass_map_.clear({}, keyframes::kMapReach_m);
 }
 
 void GraphSlam::useThreads(int threads) {

@@ -310,7 +310,6 @@ class GraphSlam {
   std::vector<keyframes::KnownPart> known_parts_;  ///< those after the first
   int wrong_places_ = 0;                           ///< that were learnt from
   bool is_lost_ = false, is_outside_ = false;      ///< in a finished map
-  scanmatch::SurfelMap pass_map_;                  ///< of one pass through a place
 };
 
 }  // namespace slam::graph

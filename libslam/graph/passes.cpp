@@ -46,18 +46,20 @@ void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matr
   }
 }
 
-/// Keyframe k matched to these alone, from where it lies; nothing where that is another place.
+/// Keyframe k matched to these alone, from where it lies; nothing where that is another place. In the memory
+/// of the map around, which addKeyframe() makes anew.
 std::optional<scanmatch::MatchResult> GraphSlam::matchToPass(int k, const std::vector<int>& pass,
                                                              const Pose2& T_map_robot) {
-  pass_map_.clear(core::position(T_map_robot), keyframes::kMapReach_m);
-  for (const int other : pass) pass_map_.add(map_->inCells(other), other);
+  scanmatch::SurfelMap& map = maps_.fine;
+  map.clear(core::position(T_map_robot), keyframes::kMapReach_m);
+  for (const int other : pass) map.add(map_->inCells(other), other);
   scanmatch::PosePrior flat;
   flat.mean = T_map_robot;
   flat.information.setIdentity();
   auto matched =
-      alignToSurfels(map_->keyframe(k).points, pass_map_, T_map_robot, flat, keyframes::matchOptions(10));
+      alignToSurfels(map_->keyframe(k).points, map, T_map_robot, flat, keyframes::matchOptions(10));
   if (!keyframes::isFollowed(matched.T_map_robot, T_map_robot)) return std::nullopt;
-  matched.information = keyframes::toldInformation(map_->keyframe(k).points, pass_map_, matched.T_map_robot);
+  matched.information = keyframes::toldInformation(map_->keyframe(k).points, map, matched.T_map_robot);
   if (matched.score >= options_.loop_confirm_score) return matched;
   // Of what lies beyond the pass nothing can be explained.
   const double telling = std::min(map_->toldBy(keyframes::firstOf(pass, keyframes::kAskedViewers),

@@ -17,7 +17,7 @@ using scanmatch::PosePrior;
 namespace {
 
 /// Keyframes whose points stay sorted: those of a map and of a pass or two beside it.
-constexpr size_t kSorted = 128;
+constexpr size_t kSorted = 64;
 
 }  // namespace
 

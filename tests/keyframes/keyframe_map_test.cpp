@@ -250,13 +250,13 @@ TEST(KeyframeMap, AMapHasKeyframesWhereTheyLieNowAndWhatTheyStillSee) {
   in.map.countRevision();
   EXPECT_NEAR(scoreAt(moved), before / 2, 0.1);
   // Keyframes that share a place in what is kept.
-  for (int k = in.map.size(); k <= 128; ++k) addKeyframe(in.map, {2, 2, 0.3}, in.at({2, 2, 0.3}), 0.6, 1);
+  for (int k = in.map.size(); k <= 64; ++k) addKeyframe(in.map, {2, 2, 0.3}, in.at({2, 2, 0.3}), 0.6, 1);
   const auto scoreOf = [&](int k) {
     return surfelScore(points, in.map.mapOf({k}, {2, 2}).fine, {2, 2, 0.3}, 3, 1);
   };
-  const double whole = scoreOf(128);
+  const double whole = scoreOf(64);
   EXPECT_LT(scoreOf(0), 0.5 * whole);
-  EXPECT_DOUBLE_EQ(scoreOf(128), whole);
+  EXPECT_DOUBLE_EQ(scoreOf(64), whole);
 }
 
 }  // namespace
