@@ -134,7 +134,6 @@ core::Pose2 MrptMethod::process(const MethodStep& step) {
   const auto pose = builder_->getCurrentPoseEstimation()->getMeanVal();
   const core::Pose2 T_map_robot{pose.x(), pose.y(), pose.yaw()};
   requireFinite(T_map_robot, "the pose");
-  requireBoundedMap(T_map_robot, 0);
   T_map_robot_ = T_map_robot;
   return T_map_robot;
 }

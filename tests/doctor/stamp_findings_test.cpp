@@ -29,6 +29,18 @@ TEST(LogCheck, FindsStampsThatRunBackRepeatOrPause) {
             "");
 }
 
+TEST(LogCheck, AStreamsOwnStepBackIsSaidOnce) {
+  Drive drive;
+  drive.touch_scan = [](int number, mrpt::obs::CObservation2DRangeScan& scan) {
+    if (number == 100) scan.timestamp -= std::chrono::seconds(2);
+    return true;
+  };
+  const auto result = check(drive);
+  EXPECT_EQ(result.figures.backward_in_file, 1U);
+  EXPECT_THAT(said(result.findings, "backward"), HasSubstr("1 of 300 stamps"));
+  EXPECT_EQ(said(result.findings, "order"), "");
+}
+
 TEST(LogCheck, FindsStreamsOutOfOrder) {
   Drive drive;
   drive.touch_scan = [](int, mrpt::obs::CObservation2DRangeScan& scan) {

@@ -84,6 +84,20 @@ TEST(PoseError, OfATurnShowsAsAShiftFartherOff) {
   expectNear(moved(from, from), Matrix3d::Identity());
 }
 
+// Of a keyframe that has turned: in its own axes, as edges have it.
+TEST(PoseError, WhatIsKnownFromTheFirstViewIsInTheBodysAxes) {
+  KeyframeMap map{GraphOptions{}};
+  addRow(map, 1);
+  addKeyframe(map, {0, 0, 0.6}, roundRoom(5), 1, 0);
+  // No doubt of the first one; the second is sure along x of the map, and less along y.
+  map.keyframes()[1].covariance = diagonal(1e-4, 1e-2, 1e-5);
+  noteMatch(map, evidenceBy({{0, diagonal(100, 10, 50)}}), diagonal(1e-6, 1e-6, 1e-7));
+  EXPECT_EQ(map.keyframe(1).matched_to, 0);
+  Matrix3d R = Matrix3d::Identity();
+  R(0, 0) = R(1, 1) = std::cos(0.6), R(1, 0) = std::sin(0.6), R(0, 1) = -R(1, 0);
+  expectNear(map.keyframe(1).information, R.transpose() * diagonal(1e4, 1e2, 1e5) * R, 1);
+}
+
 /// What is known after a match that odometry's prior, map frame, takes part in.
 PoseError after(const KeyframeMap& map, const scanmatch::MatchEvidence& evidence, const Matrix3d& prior,
                 const core::Pose2& here, const Before& before) {

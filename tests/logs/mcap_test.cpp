@@ -170,6 +170,17 @@ TEST(Mcap, WithoutItsEndGivesWhatIsThereThenSaysSo) {
 // --- Foxglove's library on Node
 // -----------------------------------------------------------------------------
 
+// After the magic, the opcode and the length of the header, and its own length.
+TEST(Mcap, TheHeaderSaysWhoseMessagesTheyAre) {
+  const testing::TempFolder folder;
+  for (const bool ros1 : {false, true}) {
+    bags::McapWriteOptions options;
+    options.ros1 = ros1;
+    writeAll(drive(3), *bags::createMcap(folder / "log.mcap", options));
+    EXPECT_EQ(files::readTextFile(folder / "log.mcap").substr(8 + 9 + 4, 4), ros1 ? "ros1" : "ros2");
+  }
+}
+
 class McapNpm : public ::testing::Test {
  protected:
   void SetUp() override {

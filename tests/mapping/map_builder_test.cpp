@@ -8,12 +8,15 @@
 #include <mrpt/random/RandomGenerators.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/slam/CMetricMapBuilder.h>
+#include <mrpt/slam/CMetricMapBuilderRBPF.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <thread>
 
 #include "libslam/builders/mrpt_compat.h"
 #include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
@@ -272,6 +275,24 @@ TEST(FinalPath, IsThatOfTheBestParticleAndFollowsTheWheelsBetweenItsUpdates) {
   // An update every 0.3 m or 10 degrees at 0.06 m and 3.5 degrees a scan.
   EXPECT_GT(other_steps, 10);
   EXPECT_GT(steps_of_wheels, 30);
+}
+
+TEST(FinalPath, IsThatOfTheMostLikelyParticle) {
+  const auto drive = test::driveThroughRoom(60);
+  auto method = makeMethod("rbpf_exact", 1, {"particles.resample_below=0"});
+  const auto path = finalPath(method, runDrive(method, drive)).value();
+  const auto& particles =
+      dynamic_cast<mrpt::slam::CMetricMapBuilderRBPF&>(mrptBuilder(method)).mapPDF.m_particles;
+  const auto [worst, best] = std::minmax_element(
+      particles.begin(), particles.end(), [](const auto& a, const auto& b) { return a.log_w < b.log_w; });
+  ASSERT_LT(worst->log_w, best->log_w);
+  const auto isOn = [&](const auto& particle) {
+    const mrpt::math::TPose2D last(particle.d->robotPath.back());
+    return std::any_of(path.begin(), path.end(),
+                       [&](const core::StampedPose& at) { return at.pose == lidar::fromMrpt(last); });
+  };
+  EXPECT_TRUE(isOn(*best));
+  EXPECT_FALSE(isOn(*worst));
 }
 
 TEST(FinalPath, IsOnlyThereWhereItDiffersFromWhatWasGivenOnline) {

@@ -147,6 +147,18 @@ TEST_F(TwoVisits, AMapOfAnotherScaleIsRefused) {
               HasSubstr("scaled.simplemap: "));
 }
 
+// Most of it fits where it belongs; where the path ends it lies aside by more than a room's furniture.
+TEST_F(TwoVisits, AMapThatContradictsTheOtherIsRefused) {
+  auto frames = mapping::readKeyFrames(at("tuesday/map.simplemap"));
+  for (size_t i = frames.size() * 2 / 3; i < frames.size(); ++i) frames[i].T_map_robot.y += 2;
+  mapping::writeKeyFrames(frames, at("broken.simplemap"));
+  EXPECT_THAT(errorOf([] {
+                merge({at("monday"), at("broken.simplemap")}, "wrong");
+              }),
+              HasSubstr("% of what it shares with the other maps to contradict them, expected at most 15 %"));
+  EXPECT_FALSE(fs::exists(at("wrong")));
+}
+
 TEST_F(TwoVisits, AMapIsNotMergedWithItself) {
   EXPECT_THAT(errorOf([] {
                 merge({at("monday"), at("monday/map.simplemap")}, "wrong");
