@@ -177,11 +177,8 @@ compat::MapSize ParticleMapBuilder::getCurrentlyBuiltMapSize() {
 void ParticleMapBuilder::drawMap() const {
   if (up_to_date_) return;
   const core::Trajectory path = filter_->path();
-  const auto differs = [](const core::Pose2& a, const core::Pose2& b) {
-    return a.x != b.x || a.y != b.y || a.phi != b.phi;
-  };
   for (size_t i = 0; i < drawn_poses_.size(); ++i)
-    if (differs(drawn_poses_[i], path[key_frames_[i].scan].pose)) {
+    if (!(drawn_poses_[i] == path[key_frames_[i].scan].pose)) {
       drawn_ = start_map_;
       drawn_poses_.clear();
     }

@@ -1,9 +1,8 @@
-#include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/pose_error.h"
+#include "libslam/keyframes/relative_error.h"
 #include "libslam/keyframes/search.h"
-#include "libslam/posegraph/marginals.h"
 
 /// How sure GraphSlam is of its poses. A scan errs against the map by its points' noise, as their residuals
 /// tell it. The map does not lie better than the keyframes that saw its surfaces first: errors grow from one
@@ -57,39 +56,17 @@ std::vector<Eigen::Matrix3d> GraphSlam::covariances() const {
   return result;
 }
 
-/// By the keyframes that the two scans hang on, each with its drift since.
 std::vector<Eigen::Matrix3d> GraphSlam::relativeCovariances(
     const std::vector<std::pair<int, int>>& scans) const {
   std::vector<Eigen::Matrix3d> result;
   if (scans.empty()) return result;
-  const posegraph::Marginals keyframes(
-      keyframes::witnessGraph(map_->graph(), map_->graph().poses(), map_->witnesses()),
-      posegraph::Marginals::Open::kBounded);
-  result.reserve(scans.size());
-  const auto moves = [](double x, double y, double phi) {
-    const auto [s, c] = core::sinCos(phi);
-    Eigen::Matrix3d J;
-    J << c, s, x, -s, c, y, 0, 0, 1;
-    return J;
+  const keyframes::RelativeError error(*map_);
+  const auto hung = [&](int scan) -> keyframes::HungScan {
+    const auto& record = records_[static_cast<size_t>(scan)];
+    return {record.keyframe, record.T_keyframe_robot, record.drift_covariance.matrix()};
   };
-  for (const auto& [first, second] : scans) {
-    const auto &a = records_[static_cast<size_t>(first)], &b = records_[static_cast<size_t>(second)];
-    const Pose2 T_map_a = map_->pose(a.keyframe) * a.T_keyframe_robot,
-                T_map_b = map_->pose(b.keyframe) * b.T_keyframe_robot,
-                T_a_b = core::between(T_map_a, T_map_b);
-    // A turn of the first keyframe's view of the second carries b with it.
-    const Pose2 T_keyframes = core::between(map_->pose(a.keyframe), map_->pose(b.keyframe));
-    const auto [s, c] = core::sinCos(core::wrapToPi(T_keyframes.phi - a.T_keyframe_robot.phi));
-    const double x = c * b.T_keyframe_robot.x - s * b.T_keyframe_robot.y,
-                 y = s * b.T_keyframe_robot.x + c * b.T_keyframe_robot.y;
-    const Eigen::Matrix3d J = moves(-y, x, a.T_keyframe_robot.phi), J_b = moves(0, 0, T_map_a.phi),
-                          J_a = moves(-T_a_b.y, T_a_b.x, T_map_a.phi);
-    Eigen::Matrix3d covariance = J_a * a.drift_covariance.matrix() * J_a.transpose() +
-                                 J_b * b.drift_covariance.matrix() * J_b.transpose();
-    if (a.keyframe != b.keyframe)
-      covariance += J * keyframes.relative(a.keyframe, b.keyframe) * J.transpose();
-    result.push_back(scanmatch::withoutNegatives(covariance, keyframes::kLeastShare, 0));
-  }
+  result.reserve(scans.size());
+  for (const auto& [first, second] : scans) result.push_back(error.covariance(hung(first), hung(second)));
   return result;
 }
 

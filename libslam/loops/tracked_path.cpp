@@ -6,6 +6,7 @@
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/pose_error.h"
+#include "libslam/keyframes/relative_error.h"
 #include "libslam/keyframes/search.h"
 #include "libslam/loops/loop_closer.h"
 #include "libslam/scanmatch/information.h"
@@ -165,6 +166,16 @@ std::vector<Pose2> TrackedPath::poses() const {
 
 std::vector<Eigen::Matrix3d> TrackedPath::covariances() const {
   return size() == 0 ? std::vector<Eigen::Matrix3d>{} : map_->keyframeCovariances();
+}
+
+std::vector<Eigen::Matrix3d> TrackedPath::relativeCovariances(
+    const std::vector<std::pair<keyframes::HungScan, keyframes::HungScan>>& scans) const {
+  std::vector<Eigen::Matrix3d> result;
+  if (scans.empty()) return result;
+  const keyframes::RelativeError error(*map_);
+  result.reserve(scans.size());
+  for (const auto& [first, second] : scans) result.push_back(error.covariance(first, second));
+  return result;
 }
 
 std::vector<lidar::Scan> TrackedPath::seen(int k) const {

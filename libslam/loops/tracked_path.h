@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "libslam/core/journal.h"
@@ -14,6 +15,7 @@
 
 namespace slam::keyframes {
 class KeyframeMap;
+struct HungScan;
 struct PoseError;
 }  // namespace slam::keyframes
 
@@ -62,6 +64,10 @@ class TrackedPath {
   std::vector<core::Pose2> poses() const;
   /// Of all poses, by all that is known now.
   std::vector<Eigen::Matrix3d> covariances() const;
+  /// How sure scans that hang on keyframes are of one another, see keyframes::RelativeError: of each pair's
+  /// second one in the frame of the first. REQUIRES a keyframe, or no pair.
+  std::vector<Eigen::Matrix3d> relativeCovariances(
+      const std::vector<std::pair<keyframes::HungScan, keyframes::HungScan>>& scans) const;
   /// By all lidars.
   std::vector<lidar::Scan> seen(int keyframe) const;
   /// The tracker has changed its mind: what was matched to other keyframes was matched from here. For

@@ -21,6 +21,10 @@ class ParticleMethod : public MrptMethod {
   std::vector<core::JournalEntry> journal() const override { return filter().journal(); }
   std::optional<core::Trajectory> finalPath(const core::Trajectory& online) const override;
   std::vector<Eigen::Matrix3d> finalCovariances() const override { return filter().covariances(); }
+  std::vector<Eigen::Matrix3d> relativeCovariances(
+      const std::vector<std::pair<int, int>>& steps) const override {
+    return filter().relativeCovariances(steps);
+  }
   std::vector<core::Pose2> particlePoses() const override { return filter().poses(); }
 
  protected:

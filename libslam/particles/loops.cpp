@@ -3,6 +3,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/relative_error.h"
 #include "libslam/particles/particle_filter.h"
 #include "libslam/scanmatch/information.h"
 
@@ -137,6 +138,21 @@ std::vector<Eigen::Matrix3d> ParticleFilter::covariances() const {
     result.push_back(scanmatch::turned(own, kRasterTurn_rad));
   }
   return result;
+}
+
+std::vector<Eigen::Matrix3d> ParticleFilter::relativeCovariances(
+    const std::vector<std::pair<int, int>>& scans) const {
+  if (past_->size() == 0) return {};
+  const core::Trajectory poses = path();
+  const auto hung = [&](int scan) -> keyframes::HungScan {
+    const auto i = static_cast<size_t>(scan);
+    const int k = keyframeOf(i);
+    return {k, core::between(past_->pose(k), rasterFromMap() * poses.at(i).pose), drifts_.at(i).covariance};
+  };
+  std::vector<std::pair<keyframes::HungScan, keyframes::HungScan>> pairs;
+  pairs.reserve(scans.size());
+  for (const auto& [first, second] : scans) pairs.emplace_back(hung(first), hung(second));
+  return past_->relativeCovariances(pairs);
 }
 
 }  // namespace slam::particles

@@ -150,6 +150,9 @@ class ParticleFilter {
   core::Trajectory path() const;
   /// Of each pose of path(), over (x, y, phi) in the map frame, against the true pose from the first scan on.
   std::vector<Eigen::Matrix3d> covariances() const;
+  /// How sure poses of path() are of one another, by the keyframes: of x (m), y (m), phi (rad) of the second
+  /// one in the frame of the first, for pairs of scans. REQUIRES scans that were seen.
+  std::vector<Eigen::Matrix3d> relativeCovariances(const std::vector<std::pair<int, int>>& scans) const;
   /// The best particle's map, in the raster's frame.
   const gridmap::Grid& map() const { return particles_[best_].grid; }
   static core::Pose2 rasterFromMap() { return {0, 0, kRasterTurn_rad}; }

@@ -191,6 +191,45 @@ TEST(ParticleLoops, TellHowSureThePastIs) {
   EXPECT_GT(inside, 0.9 * static_cast<double>(path.size()));
 }
 
+TEST(ParticleLoops, TellHowSurePosesAreOfOneAnother) {
+  const auto filter = driven(true);
+  const auto path = filter.path();
+  const auto& truth = longDrive().truth;
+  EXPECT_TRUE(filter.relativeCovariances({}).empty());
+  // As the first pose, which is given, sees the others, so the map does.
+  const auto of_map = filter.covariances();
+  const int last = static_cast<int>(path.size()) - 1;
+  const auto of_first = filter.relativeCovariances({{0, 40}, {0, last}});
+  for (const auto& [seen, scan] : {std::pair(of_first[0], 40), {of_first[1], last}}) {
+    const Eigen::Matrix3d& expected = of_map[static_cast<size_t>(scan)];
+    EXPECT_LT((seen - expected).cwiseAbs().maxCoeff(), 1e-6 * expected.cwiseAbs().maxCoeff()) << scan;
+  }
+  // 1 m and 10 m on.
+  for (const int steps : {5, 50}) {
+    std::vector<std::pair<int, int>> pairs;
+    for (int i = 0; i + steps <= last; ++i) pairs.emplace_back(i, i + steps);
+    const auto told = filter.relativeCovariances(pairs);
+    ASSERT_EQ(told.size(), pairs.size());
+    int inside = 0;
+    double relative = 0, absolute = 0;  // m^2
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      const size_t j = i + static_cast<size_t>(steps);
+      const core::Pose2 is = core::between(path[i].pose, path[j].pose),
+                        was = core::between(truth[i], truth[j]);
+      const Eigen::Vector3d off(is.x - was.x, is.y - was.y, core::angleDifference(is.phi, was.phi));
+      const Eigen::Matrix3d covariance = told[i] + 1e-9 * Eigen::Matrix3d::Identity();
+      inside += off.dot(covariance.inverse() * off) < 7.81;
+      relative += told[i](0, 0) + told[i](1, 1), absolute += of_map[j](0, 0) + of_map[j](1, 1);
+    }
+    const auto count = static_cast<double>(pairs.size());
+    RecordProperty("inside_" + std::to_string(steps), std::to_string(inside / count) + ", of the absolute " +
+                                                          std::to_string(relative / absolute));
+    EXPECT_GT(inside, 0.85 * count) << steps;
+    EXPECT_LT(relative, (steps == 5 ? 0.5 : 0.9) * absolute)
+        << "surer than in the map, " << steps << " steps apart";
+  }
+}
+
 TEST(ParticleLoops, AreTheSameBytesWithAnyNumberOfThreads) {
   const auto one = driven(true).path(), two = driven(true, 2).path();
   ASSERT_EQ(one.size(), two.size());
