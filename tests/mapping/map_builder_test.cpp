@@ -295,6 +295,24 @@ TEST(FinalPath, IsThatOfTheMostLikelyParticle) {
   EXPECT_FALSE(isOn(*worst));
 }
 
+TEST(MapBuilder, AKeptMapIsNotRefined) {
+  const testing::TempFolder folder;
+  const auto drive = test::driveThroughRoom(20);
+  auto first = makeMethod("graph");
+  runDrive(first, drive);
+  saveMaps(first, folder.path());
+  for (const bool keep_map : {false, true}) {
+    auto second = makeMethod("graph", 1, {"graph.refine_rounds=1"});
+    continueMap(second, folder / "map.simplemap", core::Pose2{}, keep_map);
+    runDrive(second, drive);
+    finishMap(second);
+    const auto journal = journalOf(second);
+    EXPECT_EQ(std::count_if(journal.begin(), journal.end(),
+                            [](const core::JournalEntry& one) { return one.detail == "refinement"; }),
+              keep_map ? 0 : 1);
+  }
+}
+
 TEST(FinalPath, IsOnlyThereWhereItDiffersFromWhatWasGivenOnline) {
   const auto drive = test::driveThroughRoom(3);
   for (const char* name : {"naive_wheel", "icp"}) {
