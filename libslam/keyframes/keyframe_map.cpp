@@ -78,12 +78,17 @@ const LevelMaps& KeyframeMap::mapOf(const std::vector<int>& keyframes, const Poi
 
 const scanmatch::ScanInCells& KeyframeMap::inCells(int k) const {
   const Pose2& T = graph_.pose(k);
-  Sorted& kept = sorted_[static_cast<size_t>(k) % kSorted];
-  if (kept.keyframe != k || kept.revision != revision_ || !(kept.T_map_robot == T)) {
-    kept.keyframe = k, kept.revision = revision_, kept.T_map_robot = T;
-    kept.scan.sort(keyframe(k).points, T, options_.cell_m);
+  auto kept =
+      std::find_if(sorted_.begin(), sorted_.end(), [k](const Sorted& one) { return one.keyframe == k; });
+  if (kept == sorted_.end())
+    kept = std::min_element(sorted_.begin(), sorted_.end(),
+                            [](const Sorted& a, const Sorted& b) { return a.asked < b.asked; });
+  kept->asked = ++asked_;
+  if (kept->keyframe != k || kept->revision != revision_ || !(kept->T_map_robot == T)) {
+    kept->keyframe = k, kept->revision = revision_, kept->T_map_robot = T;
+    kept->scan.sort(keyframe(k).points, T, options_.cell_m);
   }
-  return kept.scan;
+  return kept->scan;
 }
 
 void KeyframeMap::fill(LevelMaps& maps, const std::vector<int>& keyframes, const Point2& centre) const {

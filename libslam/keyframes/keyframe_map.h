@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -157,10 +158,12 @@ class KeyframeMap {
   mutable LevelMaps scratch_;  ///< of mapOf()
   struct Sorted {
     int keyframe = -1, revision = 0;
+    std::int64_t asked = 0;  ///< when last, in questions
     core::Pose2 T_map_robot;
     scanmatch::ScanInCells scan;
   };
-  mutable std::vector<Sorted> sorted_;  ///< of inCells()
+  mutable std::vector<Sorted> sorted_;  ///< of inCells(), those asked for last
+  mutable std::int64_t asked_ = 0;
   Known knownFrom(int k) const;
   Eigen::Matrix3d stepCovariance(int k, const Known& known) const;
   std::shared_ptr<const posegraph::Marginals> settled_;  ///< of settle()

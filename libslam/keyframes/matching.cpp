@@ -13,6 +13,8 @@ using scanmatch::PosePrior;
 
 constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
 constexpr double kDistinctKernel = 3;
+/// What coarser maps find is where the next finer one begins: a fraction of its cells is near enough.
+constexpr double kNearEnough_m = 0.005, kNearEnough_rad = 0.002;
 
 }  // namespace
 
@@ -35,10 +37,13 @@ MatchResult match(const std::vector<PatchPoint>& points, const LevelMaps& maps, 
                   const PosePrior& prior, double prior_kernel, bool with_coarse) {
   auto options = matchOptions(3);
   options.prior_kernel = prior_kernel;
+  const auto [still_m, still_rad] = std::pair(options.still_m, options.still_rad);
+  options.still_m = kNearEnough_m, options.still_rad = kNearEnough_rad;
   Pose2 T = T_start;
   if (with_coarse) T = alignToSurfels(points, maps.coarse, T, prior, options).T_map_robot;
   T = alignToSurfels(points, maps.middle, T, prior, options).T_map_robot;
   options.max_iterations = 10;
+  options.still_m = still_m, options.still_rad = still_rad;
   return alignToSurfels(points, maps.fine, T, prior, options);
 }
 

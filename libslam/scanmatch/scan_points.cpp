@@ -49,13 +49,15 @@ core::Point2 normalThrough(const std::vector<core::Point2>& points, int first, i
 /// All returns within the range, and their beams.
 struct Returns {
   std::vector<core::Point2> points;  ///< robot frame
+  std::vector<double> ranges_m;
   std::vector<int> beams;
 };
 
 Returns returnsOf(const lidar::Scan& scan, double max_range_m) {
   Returns returns;
   const int size = static_cast<int>(scan.ranges_m.size());
-  returns.points.reserve(static_cast<size_t>(size)), returns.beams.reserve(static_cast<size_t>(size));
+  returns.points.reserve(static_cast<size_t>(size)), returns.ranges_m.reserve(static_cast<size_t>(size));
+  returns.beams.reserve(static_cast<size_t>(size));
   double c = 0, s = 0;
   const auto [step_s, step_c] = core::sinCos(scan.step_rad);
   for (int i = 0; i < size; ++i) {
@@ -71,7 +73,7 @@ Returns returnsOf(const lidar::Scan& scan, double max_range_m) {
     const double r = range_m;
     if (!lidar::isReturn(range_m) || r > max_range_m) continue;
     returns.points.push_back({scan.T_robot_lidar.x + r * c, scan.T_robot_lidar.y + r * s});
-    returns.beams.push_back(i);
+    returns.ranges_m.push_back(r), returns.beams.push_back(i);
   }
   return returns;
 }
@@ -82,7 +84,7 @@ constexpr double kJump = 4;
 /// Which of the points stay: each about the spacing from the one kept before it. A point's own range has no
 /// say in whether it stays: were the first kept that lies far enough, those whose noise carries them on in
 /// the scan's direction would be preferred, walls would turn all the same way, and so would the path.
-std::vector<int> keptOf(const Returns& returns, double spacing_m, double step_rad, const core::Point2& eye) {
+std::vector<int> keptOf(const Returns& returns, double spacing_m, double step_rad) {
   const auto& points = returns.points;
   const double spacing2 = spacing_m * spacing_m;
   std::vector<int> kept;
@@ -93,14 +95,14 @@ std::vector<int> keptOf(const Returns& returns, double spacing_m, double step_ra
     }
     const int last = kept.back();
     // Where the beam before ended, and what lies between two beams there.
-    const double arc_m = std::sqrt(squaredDistance(points[k - 1], eye)) * step_rad;
+    const double arc_m = returns.ranges_m[k - 1] * step_rad;
     const double gap2 = k > 1 && returns.beams[k - 1] - returns.beams[k - 2] == 1
                             ? squaredDistance(points[k - 1], points[k - 2])
                             : 0;
-    const double gap_m =
-        gap2 < kPatchSteepest * kPatchSteepest * arc_m * arc_m ? std::max(std::sqrt(gap2), arc_m) : arc_m;
-    const double so_far_m = std::sqrt(squaredDistance(points[k - 1], points[last]));
-    if (so_far_m + gap_m >= spacing_m || squaredDistance(points[k], points[last]) >= kJump * kJump * spacing2)
+    const bool is_joined = gap2 > arc_m * arc_m && gap2 < kPatchSteepest * kPatchSteepest * arc_m * arc_m;
+    const double left_m = spacing_m - (is_joined ? std::sqrt(gap2) : arc_m);
+    if (left_m <= 0 || squaredDistance(points[k - 1], points[last]) >= left_m * left_m ||
+        squaredDistance(points[k], points[last]) >= kJump * kJump * spacing2)
       kept.push_back(k);
   }
   return kept;
@@ -126,7 +128,7 @@ core::Point2 meanGap(const Returns& returns, int k, double step_rad, const core:
   const auto& beams = returns.beams;
   const int n = static_cast<int>(points.size());
   const core::Point2& p = points[k];
-  const double spot_m = std::sqrt(squaredDistance(p, eye)) * step_rad;
+  const double spot_m = returns.ranges_m[k] * step_rad;
   const double farthest2 = kPatchSteepest * kPatchSteepest * spot_m * spot_m;
   // The returns of neighbouring beams, each on one surface with the one before, as far as the reach.
   const auto lastTowards = [&](int step, double reach2) {
@@ -170,7 +172,7 @@ std::vector<PatchPoint> patchPoints(const lidar::Scan& scan, const ScanPointOpti
   const Returns returns = returnsOf(scan, options.max_range_m);
   const auto& points = returns.points;
   const core::Point2 eye{scan.T_robot_lidar.x, scan.T_robot_lidar.y};
-  const auto kept = keptOf(returns, options.spacing_m, scan.step_rad, eye);
+  const auto kept = keptOf(returns, options.spacing_m, scan.step_rad);
   std::vector<PatchPoint> result;
   result.reserve(kept.size());
   for (const int k : kept) {
@@ -200,7 +202,7 @@ std::vector<SurfacePoint> surfacePoints(const lidar::Scan& scan, const ScanPoint
     const double gap = kSteepest * range * scan.step_rad * (beams[k + 1] - beams[k]) + 0.05;
     joined[k] = squaredDistance(points[k], points[k + 1]) <= gap * gap;
   }
-  const auto kept = keptOf(returns, options.spacing_m, scan.step_rad, eye);
+  const auto kept = keptOf(returns, options.spacing_m, scan.step_rad);
   std::vector<SurfacePoint> result;
   result.reserve(kept.size());
   const double reach2 = options.normal_reach_m * options.normal_reach_m;

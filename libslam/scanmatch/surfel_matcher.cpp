@@ -128,7 +128,9 @@ MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMa
     const Eigen::Vector3d step = solver.solve(-g);
     if (!step.allFinite()) break;
     T = {T.x + step.x(), T.y + step.y(), core::wrapToPi(T.phi + step.z())};
-    if (step.head<2>().squaredNorm() < 1e-7 && std::abs(step.z()) < 1e-4) break;
+    if (step.head<2>().squaredNorm() < options.still_m * options.still_m &&
+        std::abs(step.z()) < options.still_rad)
+      break;
   }
   return result;
 }
@@ -138,22 +140,35 @@ MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap&
   MatchEvidence evidence;
   const AtPose at_pose(map, T, kernel);
   std::array<double, MatchEvidence::kLags> before{};  // the newest first
+  // Six numbers of each view's information, which is symmetric; by views in the order that they come.
+  struct Told {
+    int view;
+    double xx = 0, xy = 0, yy = 0, xt = 0, yt = 0, tt = 0;
+  };
+  std::vector<Told> told;
+  size_t last = 0;  // of these
   for (const auto& point : points) {
     const Beside b = at_pose.beside(point);
     double residual = 0;
     if (const Surfel* surfel = b.surfel) {
       const int view = map.firstViewOf(*surfel);
-      auto at = std::lower_bound(evidence.by_view.begin(), evidence.by_view.end(), view,
-                                 [](const ViewInformation& known, int v) { return known.view < v; });
-      if (at == evidence.by_view.end() || at->view != view)
-        at = evidence.by_view.insert(at, {view, Eigen::Matrix3d::Zero()});
-      Eigen::Matrix<double, 2, 3> J;
-      J << 1, 0, -b.ry, 0, 1, b.rx;
-      Eigen::Matrix2d L;
-      L << surfel->xx, surfel->xy, surfel->xy, surfel->yy;
-      if (const double feigned = map.feignedBy(*surfel); feigned > 0)
-        L -= feigned * (Eigen::Matrix2d::Identity() - L / L.trace());
-      at->information += b.w * b.share * J.transpose() * L * J;
+      if (last == told.size() || told[last].view != view) {
+        last = 0;
+        while (last < told.size() && told[last].view != view) ++last;
+        if (last == told.size()) told.push_back({view});
+      }
+      double xx = surfel->xx, xy = surfel->xy, yy = surfel->yy;
+      if (const double feigned = map.feignedBy(*surfel); feigned > 0) {
+        const double share = feigned / (xx + yy);
+        xx += share * xx - feigned, xy += share * xy, yy += share * yy - feigned;
+      }
+      const double counts = b.w * b.share;
+      xx *= counts, xy *= counts, yy *= counts;
+      // J = [1 0 -ry; 0 1 rx]
+      const double xt = -xx * b.ry + xy * b.rx, yt = -xy * b.ry + yy * b.rx;
+      Told& one = told[last];
+      one.xx += xx, one.xy += xy, one.yy += yy;
+      one.xt += xt, one.yt += yt, one.tt += -b.ry * xt + b.rx * yt;
       const double trace = surfel->xx + surfel->yy;
       const double det =
           static_cast<double>(surfel->xx) * surfel->yy - static_cast<double>(surfel->xy) * surfel->xy;
@@ -164,6 +179,12 @@ MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap&
     for (size_t lag = 0; lag < before.size(); ++lag) evidence.lagged[lag] += residual * before[lag];
     std::rotate(before.begin(), before.end() - 1, before.end());
     before[0] = residual;
+  }
+  std::sort(told.begin(), told.end(), [](const Told& a, const Told& b) { return a.view < b.view; });
+  for (const Told& one : told) {
+    ViewInformation& by_view = evidence.by_view.emplace_back();
+    by_view.view = one.view;
+    by_view.information << one.xx, one.xy, one.xt, one.xy, one.yy, one.yt, one.xt, one.yt, one.tt;
   }
   return evidence;
 }

@@ -10,7 +10,8 @@ namespace slam::scanmatch {
 
 struct MatchOptions {
   int max_iterations = 10;
-  double kernel = 3;  ///< Geman-McClure, in standard deviations of a surfel
+  double still_m = 3e-4, still_rad = 1e-4;  ///< a step below both is the last
+  double kernel = 3;                        ///< Geman-McClure, in standard deviations of a surfel
   /// The same for the prior, on position and heading apart: what contradicts the scan lets go. 0: a plain
   /// Gaussian.
   double prior_kernel = 0;

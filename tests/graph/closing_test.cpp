@@ -72,7 +72,7 @@ TEST(Closing, KeyframesThatCameMeanwhileStayWhereTheyWereReachedFrom) {
   const core::Pose2 T_known_newest = pair(), T_map_newest = laps.graph.keyframePose(newest);
   ASSERT_GT(laps.driveUntil(core::JournalEvent::kOptimised, i), 0);
   EXPECT_LT(core::distance(pair(), T_known_newest), 1e-9);
-  EXPECT_GT(core::distance(laps.graph.keyframePose(newest), T_map_newest), 0.01);
+  EXPECT_GT(core::distance(laps.graph.keyframePose(newest), T_map_newest), 0.002);
 }
 
 // Two laps by one thread, and by two.

@@ -74,8 +74,8 @@ TEST(Golden, OurOwnMethodsSayTheSameAsBefore) {
            {"naive_wheel", "6e46b9189695762a 016392b374fd78df 69c38d9c18c07aa1"},
            {"naive_correlation", "478a941053dae483 ca3829b1bc8ffaa3 69c38d9c18c07aa1"},
            {"naive_flow", "03b3198de8c403c7 02f72b6892ea7eb7 69c38d9c18c07aa1"},
-           {"graph", "9156c751d7dcfb22 e7e6d06cf767bb71 e85dd8ef837d3c99"},
-           {"particles", "3248cf032fc57a6b 62e21c92ccbd7aab 1ca086dc9c73437d"}})
+           {"graph", "443843351f4d0e3c bed91779bd2e3176 218906b954e0717d"},
+           {"particles", "095589c4212b79bb 76d7903f20424aec a34fc161bc301ebe"}})
     EXPECT_EQ(fingerprints(name), golden) << name;
 }
 

@@ -35,6 +35,35 @@ TEST(SurfelMap, TellsNothingOfWhereAlongAWallOneStands) {
   EXPECT_LT(surfel->xx, 1e-2 * surfel->yy);
 }
 
+// However little it is turned: that is what a pose graph's matrix is made of.
+TEST(SurfelMap, OfAWallNextToParallelToAnAxisHasNoNegativeInformation) {
+  for (const bool along_y : {false, true})
+    for (double slope = 0.1; slope > 1e-7; slope /= 1.7) {
+      std::vector<PatchPoint> wall;
+      for (int i = -40; i <= 40; ++i) {
+        const double s = 0.025 * i, off = 0.05 + slope * s;
+        wall.push_back(along_y ? PatchPoint{static_cast<float>(off), static_cast<float>(s), 0, 0.01F}
+                               : PatchPoint{static_cast<float>(s), static_cast<float>(off), 0.01F, 0});
+      }
+      SurfelMap map(0.1, 0.001);
+      map.clear({}, 3);
+      map.add(wall, {});
+      for (double s = -0.9; s < 0.9; s += 0.1) {
+        const double off = 0.05 + slope * s;
+        const Surfel* surfel =
+            map.at((along_y ? off : s) - map.origin().x, (along_y ? s : off) - map.origin().y);
+        ASSERT_NE(surfel, nullptr);
+        const double xx = surfel->xx, xy = surfel->xy, yy = surfel->yy;
+        ASSERT_GE(xx * yy, xy * xy) << slope << " at " << s;
+        // The direction along has what the slope leaves; points are floats.
+        const double least = along_y ? yy : xx, most = along_y ? xx : yy;
+        if (slope > 1e-4) {
+          ASSERT_NEAR(least / most, slope * slope, 0.1 * slope * slope) << slope;
+        }
+      }
+    }
+}
+
 TEST(SurfelMap, IsEmptyFarFromSurfacesOutsideAndAfterClear) {
   auto map = mapOf(rectangle(-4, -3, 5, 3), aFewPosesAround(0));
   EXPECT_EQ(map.at(0 - map.origin().x, 0 - map.origin().y), nullptr);
