@@ -194,6 +194,8 @@ class GraphSlam {
   bool isPoor(const scanmatch::MatchResult& result, const Points& points) const;
   std::pair<scanmatch::MatchResult, bool> bestMatch(const lidar::Scan& scan, const Points& points,
                                                     const keyframes::Expected& expected);
+  void stayWithWheels(const Points& points, const keyframes::Expected& expected,
+                      scanmatch::MatchResult& result) const;
   void setMap(const std::vector<int>& near, const core::Point2& centre);
   void setMapHere();
   void setMapNear(const core::Point2& centre);

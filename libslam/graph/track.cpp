@@ -221,7 +221,24 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const lidar::Scan& scan,
         motion && isSlip(*motion, e.step) && brokenBy(points, *motion) < kBrokenMotion)
       tryFrom(e.T_before * *motion, gain(points, e.T_before * *motion, result.T_map_robot), true);
   if (isPoor(result, points)) distrusted = lookAround(points, e, result) || distrusted;
+  if (e.has_odometry) stayWithWheels(points, e, result);
   return {result, distrusted};
+}
+
+/// While a match turns far from odometry's heading it may slide along what holds it least, until odometry's place
+/// lets go. Where the found heading explains as much there, the robot is there.
+void GraphSlam::stayWithWheels(const std::vector<PatchPoint>& points, const keyframes::Expected& e,
+                               MatchResult& result) const {
+  const auto [T_step, sigma_xy, sigma_turn] = e.step;
+  const Pose2& T = result.T_map_robot;
+  if (core::distance(T, e.predicted) <= kLetGo * sigma_xy ||
+      std::abs(core::angleDifference(T.phi, e.predicted.phi)) <= kLetGo * sigma_turn)
+    return;
+  PosePrior there;
+  there.mean = {e.predicted.x, e.predicted.y, T.phi};
+  there.information = scanmatch::poseInformation(sigma_xy, 3 * sigma_turn + 0.05);
+  const MatchResult other = keyframes::match(points, maps_, there.mean, there, 0, true);
+  if (isBetter(other, result, -kStartGain, points, e)) result = other;
 }
 
 /// Matches a scan to the map around. Fills in its points and the information that they give, map axes.
