@@ -74,6 +74,7 @@ void LoopCloser::takeOver() {
   thread_s_ += closing_->work.threadSeconds();
   closing_.reset();
   for (auto& place : hypotheses_) place.innovation = -1;
+  ruled_out_.clear();
   searched_m_ = map_->path_m();
 }
 

@@ -21,6 +21,9 @@ constexpr double kLeastDistance_m = 0.1;
 /// many times GraphOptions::loop_innovation, as many times as their innovation is larger: it takes 24 scans
 /// at least that all fit.
 constexpr double kLikelyInnovation = 7.8, kMostUnlikely = 4, kOverconfident = 2;
+/// So many times GraphOptions::loop_innovation no path is overconfident: what claims the same as such a loop
+/// is wrong as well.
+constexpr double kImpossible = 4, kSameClaim_m = 1, kSameClaim_rad = 0.2;
 
 }  // namespace
 
@@ -249,13 +252,58 @@ void LoopCloser::searchRemainingLoops(int first_searched, const std::function<vo
 }
 
 /// The innovation of a loop that what was measured on the way rules out; nothing where it allows for it.
-std::optional<double> LoopCloser::ruledOutBy(const keyframes::Hypothesis& loop, LoopJudge& judge) const {
+std::optional<double> LoopCloser::ruledOutBy(const keyframes::Hypothesis& loop, LoopJudge& judge) {
   if (map_->componentOf(loop.keyframe) != map_->componentOf(loop.old_keyframe)) return std::nullopt;
-  const double off = judge.innovation(loop);
-  if (off <= options_->loop_innovation) return std::nullopt;
+  const double own = judge.innovation(loop), off = std::max(own, ruledOutBefore(loop));
+  if (off <= kLikelyInnovation) return std::nullopt;
   const bool is_sure = loop.confirmations >= options_->loop_confirmations * off / kLikelyInnovation;
-  if (is_sure && off <= kOverconfident * options_->loop_innovation) return std::nullopt;
-  return off;
+  const double most = (is_sure ? kOverconfident : 1) * options_->loop_innovation;
+  if (own > kImpossible * options_->loop_innovation) ruled_out_.push_back({shiftOf(loop), own});
+  if (off > most || isKnownHere(loop, off)) return off;
+  return std::nullopt;
+}
+
+/// How a loop moves the newest part of the map: who moves it likewise elsewhere claims the same.
+Pose2 LoopCloser::shiftOf(const keyframes::Hypothesis& loop) const {
+  return loop.T_map_robot * core::inverse(map_->pose(loop.keyframe));
+}
+
+/// The largest innovation with which a loop that claims the same was ruled out since the keyframes moved
+/// last: a wrong place is found again and again, and somewhere the way to it is less sure.
+double LoopCloser::ruledOutBefore(const keyframes::Hypothesis& loop) const {
+  double most = 0;
+  for (const auto& [shift, innovation] : ruled_out_) {
+    const Pose2 there = shift * map_->pose(loop.keyframe);
+    if (core::distance(there, loop.T_map_robot) < kSameClaim_m &&
+        std::abs(core::angleDifference(there.phi, loop.T_map_robot.phi)) < kSameClaim_rad)
+      most = std::max(most, innovation);
+  }
+  return most;
+}
+
+/// Whether the robot may as well be where it is tracked: what an earlier pass drew there explains the scans
+/// that speak for the loop, which the way between has in another place. Buildings have corridors that look
+/// the same.
+bool LoopCloser::isKnownHere(const keyframes::Hypothesis& loop, double innovation) const {
+  double ahead = -innovation / 2;
+  int known = 0, asked = 0;
+  for (const auto& [k, said] : loop.says) {
+    const Pose2& T = map_->pose(k);
+    std::vector<int> before;
+    for (const int old :
+         map_->keyframesAround(k, core::position(T), options_->map_path_m, options_->map_radius_m))
+      if (old < k && map_->keyframe(k).path_m - map_->keyframe(old).path_m > options_->map_path_m)
+        before.push_back(old);
+    ++asked;
+    if (before.empty()) continue;
+    ++known;
+    const keyframes::LevelMaps& maps =
+        map_->mapOf(keyframes::firstOf(std::move(before), options_->map_keyframes), core::position(T));
+    const auto matched =
+        keyframes::match(map_->keyframe(k).points, maps, T, keyframes::followedTo(T), 0, false);
+    ahead += said.nats - keyframes::kNatsPerScan * matched.score;
+  }
+  return 2 * known > asked && ahead < kAheadOfRival;
 }
 
 std::optional<LoopCloser::Accepted> LoopCloser::accept(const keyframes::Hypothesis& loop) {

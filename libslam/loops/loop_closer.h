@@ -67,7 +67,10 @@ class LoopCloser {
 
  private:
   std::optional<Accepted> accept(const keyframes::Hypothesis& loop, LoopJudge& judge);
-  std::optional<double> ruledOutBy(const keyframes::Hypothesis& loop, LoopJudge& judge) const;
+  std::optional<double> ruledOutBy(const keyframes::Hypothesis& loop, LoopJudge& judge);
+  core::Pose2 shiftOf(const keyframes::Hypothesis& loop) const;
+  double ruledOutBefore(const keyframes::Hypothesis& loop) const;
+  bool isKnownHere(const keyframes::Hypothesis& loop, double innovation) const;
   double timesAsFar(double innovation) const;
   bool isConfirmed(const keyframes::Hypothesis& place) const;
   bool isCompared(const keyframes::Hypothesis& place) const;
@@ -99,6 +102,12 @@ class LoopCloser {
   const keyframes::GraphOptions* options_;
   Where where_ = Where::kHere;
   std::vector<keyframes::Hypothesis> hypotheses_;
+  /// A loop that the way between makes impossible: how it would move the newest keyframes.
+  struct RuledOut {
+    core::Pose2 shift;
+    double innovation;
+  };
+  std::vector<RuledOut> ruled_out_;  ///< since the keyframes moved last
   std::optional<Closing> closing_;
   double thread_s_ = 0;      ///< CPU time for loops that are closed
   size_t solved_edges_ = 0;  ///< of the graph, when all poses were found last

@@ -10,9 +10,6 @@ namespace {
 
 using core::Pose2;
 
-/// Nats by which a loop is ahead of every other place that is followed: one wrong in a thousand.
-constexpr double kAheadOfRival = 7;
-
 /// Whether the map says something of most of what was seen, if it was seen there.
 bool isTold(const keyframes::Hypothesis& place) {
   double unknown = 0;
@@ -37,8 +34,10 @@ double LoopJudge::innovation(const keyframes::Hypothesis& loop) {
 
 bool LoopJudge::isBest(const keyframes::Hypothesis& loop, const std::vector<keyframes::Hypothesis>& others,
                        Beyond beyond) {
+  // A place that the map says as little of cannot leave others aside for that.
+  const bool leaves_untold = beyond == Beyond::kIsNoRival && isTold(loop);
   return std::none_of(others.begin(), others.end(), [&](const keyframes::Hypothesis& other) {
-    if (&other == &loop || (beyond == Beyond::kIsNoRival && !isTold(other))) return false;
+    if (&other == &loop || (leaves_untold && !isTold(other))) return false;
     double ahead = (innovation(other) - innovation(loop)) / 2;
     for (const auto& [keyframe, said] : loop.says) {
       const auto rival = other.says.find(keyframe);

@@ -38,4 +38,7 @@ class LoopJudge {
   Way way_;
 };
 
+/// Nats by which a loop is ahead of every other place that is followed: one wrong in a thousand.
+inline constexpr double kAheadOfRival = 7;
+
 }  // namespace slam::loops
