@@ -220,6 +220,38 @@ TEST(ClosingLoops, AcceptWhatTheWayHardlyAllowsForOnceManyScansConfirmIt) {
   EXPECT_FALSE(other.loops.accept(far));
 }
 
+// Each keyframe lies 10 m of way from the one before, so that those before it are of an earlier pass.
+TEST(ClosingLoops, WhereAnEarlierPassExplainsTheScansTheWayHasToSayMore) {
+  for (const bool is_known : {true, false}) {
+    Driven row(5);
+    if (!is_known)
+      for (int k = 0; k < 5; ++k) row.map.keyframes()[static_cast<size_t>(k)].path_m = 0.5 * k;
+    auto loop = loopTo(row.map, 0, 4, {2, 1.2, 0}, {1e4, 1e4, 1e6});
+    loop.says = {{3, {9, 0}}, {4, {9, 0}}};
+    EXPECT_EQ(row.loops.accept(loop).has_value(), !is_known);
+    if (!is_known) continue;
+    EXPECT_LT(row.map.journal().back().value, row.map.options().loop_innovation);
+    // A likely one is none the less.
+    loop = loopTo(row.map, 0, 4, {2, 0.3, 0}, {1e4, 1e4, 1e6});
+    loop.says = {{3, {9, 0}}, {4, {9, 0}}};
+    EXPECT_TRUE(row.loops.accept(loop));
+  }
+}
+
+// A shift of the map that one edge makes impossible, four edges allow for.
+TEST(ClosingLoops, WhatClaimsTheSameAsAnImpossibleOneIsWrongToo) {
+  const auto shifted = [](const Driven& row, int to, double aside_m) {
+    return loopTo(row.map, 0, to, {0.5 * to, aside_m, 0}, {1e4, 1e4, 1e6});
+  };
+  Driven alone(5);
+  EXPECT_TRUE(alone.loops.accept(shifted(alone, 4, 1.55)));
+  Driven row(5);
+  EXPECT_FALSE(row.loops.accept(shifted(row, 1, 1.55)));
+  EXPECT_GT(row.map.journal().back().value, 4 * row.map.options().loop_innovation);
+  EXPECT_FALSE(row.loops.accept(shifted(row, 4, 1.55)));
+  EXPECT_TRUE(row.loops.accept(shifted(row, 4, -1.55))) << "that is another claim";
+}
+
 /// A row, and another part beside it that was laid out elsewhere.
 struct TwoParts : Driven {
   TwoParts() : Driven(3) {
