@@ -1,7 +1,7 @@
 #include "libslam/keyframes/relative_error.h"
 
 #include "libslam/core/elementary.h"
-#include "libslam/keyframes/search.h"
+#include "libslam/keyframes/matching.h"
 #include "libslam/posegraph/marginals.h"
 #include "libslam/scanmatch/information.h"
 
