@@ -225,8 +225,8 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const lidar::Scan& scan,
   return {result, distrusted};
 }
 
-/// While a match turns far from odometry's heading it may slide along what holds it least, until odometry's place
-/// lets go. Where the found heading explains as much there, the robot is there.
+/// While a match turns far from odometry's heading it may slide along what holds it least, until odometry's
+/// place lets go. Where the found heading explains as much there, the robot is there.
 void GraphSlam::stayWithWheels(const std::vector<PatchPoint>& points, const keyframes::Expected& e,
                                MatchResult& result) const {
   const auto [T_step, sigma_xy, sigma_turn] = e.step;
