@@ -71,7 +71,7 @@ keyframes::Break GraphSlam::breakBefore(const lidar::Scan& scan, const std::vect
   };
   consider(T_previous_robot);
   const double by_odometry = best.contradicted;
-  if (by_odometry <= 0) return best;
+  if (by_odometry <= 0) return best;  // nothing contradicts less
   const auto isPossible = [&](const Pose2& T) {
     if (isNear(T, T_previous_robot) || isNear(T, T_backwards)) return true;
     return by_odometry > kBroken && isSlip(T, odometry) && brokenBy(points, T) < kSlipped * by_odometry &&

@@ -254,11 +254,12 @@ void LoopCloser::searchRemainingLoops(int first_searched, const std::function<vo
 /// The innovation of a loop that what was measured on the way rules out; nothing where it allows for it.
 std::optional<double> LoopCloser::ruledOutBy(const keyframes::Hypothesis& loop, LoopJudge& judge) {
   if (map_->componentOf(loop.keyframe) != map_->componentOf(loop.old_keyframe)) return std::nullopt;
-  const double own = judge.innovation(loop), off = std::max(own, ruledOutBefore(loop));
+  const double own = judge.innovation(loop), before = ruledOutBefore(loop), off = std::max(own, before);
   if (off <= kLikelyInnovation) return std::nullopt;
   const bool is_sure = loop.confirmations >= options_->loop_confirmations * off / kLikelyInnovation;
   const double most = (is_sure ? kOverconfident : 1) * options_->loop_innovation;
-  if (own > kImpossible * options_->loop_innovation) ruled_out_.push_back({shiftOf(loop), own});
+  if (before == 0 && own > kImpossible * options_->loop_innovation)
+    ruled_out_.push_back({shiftOf(loop), own});
   if (off > most || isKnownHere(loop, off)) return off;
   return std::nullopt;
 }
@@ -268,8 +269,8 @@ Pose2 LoopCloser::shiftOf(const keyframes::Hypothesis& loop) const {
   return loop.T_map_robot * core::inverse(map_->pose(loop.keyframe));
 }
 
-/// The largest innovation with which a loop that claims the same was ruled out since the keyframes moved
-/// last: a wrong place is found again and again, and somewhere the way to it is less sure.
+/// The innovation with which a loop that claims the same was ruled out since the keyframes moved last; 0:
+/// none was. A wrong place is found again and again, and somewhere the way to it is less sure.
 double LoopCloser::ruledOutBefore(const keyframes::Hypothesis& loop) const {
   double most = 0;
   for (const auto& [shift, innovation] : ruled_out_) {
@@ -332,6 +333,7 @@ std::optional<LoopCloser::Accepted> LoopCloser::accept(const keyframes::Hypothes
         map_->graph().setPose(i, T * map_->pose(i));
     map_->links().measure(map_->graph().poses());
     map_->countRevision();
+    ruled_out_.clear();
   }
   map_->addLoop(loop.edges);
   map_->note(core::JournalEvent::kAccepted, way_m, old);
