@@ -21,9 +21,8 @@ constexpr double kLeastDistance_m = 0.1;
 /// many times GraphOptions::loop_innovation, as many times as their innovation is larger: it takes 24 scans
 /// at least that all fit.
 constexpr double kLikelyInnovation = 7.8, kMostUnlikely = 4, kOverconfident = 2;
-/// So many times GraphOptions::loop_innovation no path is overconfident: what claims the same as such a loop
-/// is wrong as well.
-constexpr double kImpossible = 4, kSameClaim_m = 1, kSameClaim_rad = 0.2;
+/// Beyond that, what claims the same as such a loop is wrong as well: it moves the robot to the same place.
+constexpr double kSameClaim_m = 1, kSameClaim_rad = 0.2;
 
 }  // namespace
 
@@ -258,7 +257,7 @@ std::optional<double> LoopCloser::ruledOutBy(const keyframes::Hypothesis& loop, 
   if (off <= kLikelyInnovation) return std::nullopt;
   const bool is_sure = loop.confirmations >= options_->loop_confirmations * off / kLikelyInnovation;
   const double most = (is_sure ? kOverconfident : 1) * options_->loop_innovation;
-  if (before == 0 && own > kImpossible * options_->loop_innovation)
+  if (before == 0 && own > kOverconfident * options_->loop_innovation)
     ruled_out_.push_back({shiftOf(loop), own});
   if (off > most || isKnownHere(loop, off)) return off;
   return std::nullopt;

@@ -34,10 +34,8 @@ double LoopJudge::innovation(const keyframes::Hypothesis& loop) {
 
 bool LoopJudge::isBest(const keyframes::Hypothesis& loop, const std::vector<keyframes::Hypothesis>& others,
                        Beyond beyond) {
-  // A place that the map says as little of cannot leave others aside for that.
-  const bool leaves_untold = beyond == Beyond::kIsNoRival && isTold(loop);
   return std::none_of(others.begin(), others.end(), [&](const keyframes::Hypothesis& other) {
-    if (&other == &loop || (leaves_untold && !isTold(other))) return false;
+    if (&other == &loop || (beyond == Beyond::kIsNoRival && !isTold(other))) return false;
     double ahead = (innovation(other) - innovation(loop)) / 2;
     for (const auto& [keyframe, said] : loop.says) {
       const auto rival = other.says.find(keyframe);

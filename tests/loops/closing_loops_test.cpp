@@ -247,7 +247,7 @@ TEST(ClosingLoops, WhatClaimsTheSameAsAnImpossibleOneIsWrongToo) {
   EXPECT_TRUE(alone.loops.accept(shifted(alone, 4, 1.55)));
   Driven row(5);
   EXPECT_FALSE(row.loops.accept(shifted(row, 1, 1.55)));
-  EXPECT_GT(row.map.journal().back().value, 4 * row.map.options().loop_innovation);
+  EXPECT_GT(row.map.journal().back().value, 2 * row.map.options().loop_innovation);
   EXPECT_FALSE(row.loops.accept(shifted(row, 4, 1.55)));
   EXPECT_TRUE(row.loops.accept(shifted(row, 4, -1.55))) << "that is another claim";
 }

@@ -137,9 +137,6 @@ TEST(LoopJudge, WhatLiesBeyondTheMapIsNoRivalOfARobotThatCameFromWithin) {
   EXPECT_FALSE(two.firstIsBest(Beyond::kIsNoRival)) << "a little less";
   two.all[1].says = {{2, {8, 0}}, {1, {8, 0}}};
   EXPECT_FALSE(two.firstIsBest(Beyond::kIsNoRival)) << "this one is known as well";
-  two.all[0].says = {{2, {9, 0.6}}, {1, {9, 0.5}}};
-  two.all[1].says = {{2, {0, 0.9}}, {1, {0, 0.4}}};
-  EXPECT_FALSE(two.firstIsBest(Beyond::kIsNoRival)) << "of the first one as little is known";
 }
 
 }  // namespace
