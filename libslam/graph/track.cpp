@@ -45,6 +45,10 @@ constexpr double kNear = 6;
 /// Odometry's errors are taken as normal to so many standard deviations, and with the tails of Cauchy's
 /// distribution beyond.
 constexpr double kTail = 2;
+/// Standard deviation of a heading about which odometry is not believed.
+double looseTurn(double sigma_turn_rad) {
+  return 3 * sigma_turn_rad + 0.05;
+}
 /// What odometry with a step's standard deviations holds against a pose where it has another, in nats.
 double heldAgainst(const Pose2& T, const Pose2& T_odometry, double sigma_xy_m, double sigma_turn_rad) {
   const double off = core::distance(T, T_odometry) / sigma_xy_m,
@@ -206,7 +210,7 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const lidar::Scan& scan,
     PosePrior elsewhere = prior;
     if (contradicted) {
       elsewhere.mean = T_start;
-      elsewhere.information = scanmatch::poseInformation(3 * sigma_xy + 0.1, 3 * sigma_turn + 0.05);
+      elsewhere.information = scanmatch::poseInformation(3 * sigma_xy + 0.1, looseTurn(sigma_turn));
     }
     const auto other = keyframes::match(points, maps_, T_start, elsewhere, options_.odometry_kernel, true);
     if (!isBetter(other, result, kStartGain, points, e)) return;
@@ -236,7 +240,7 @@ void GraphSlam::stayWithWheels(const std::vector<PatchPoint>& points, const keyf
     return;
   PosePrior there;
   there.mean = {e.predicted.x, e.predicted.y, T.phi};
-  there.information = scanmatch::poseInformation(sigma_xy, 3 * sigma_turn + 0.05);
+  there.information = scanmatch::poseInformation(sigma_xy, looseTurn(sigma_turn));
   const MatchResult other = keyframes::match(points, maps_, there.mean, there, 0, true);
   if (isBetter(other, result, -kStartGain, points, e)) result = other;
 }

@@ -35,15 +35,14 @@ std::vector<PatchPoint> pointsOf(const lidar::Scan& scan, const GraphOptions& o)
 
 MatchResult match(const std::vector<PatchPoint>& points, const LevelMaps& maps, const Pose2& T_start,
                   const PosePrior& prior, double prior_kernel, bool with_coarse) {
-  auto options = matchOptions(3);
+  auto options = matchOptions(10);
   options.prior_kernel = prior_kernel;
-  const auto [still_m, still_rad] = std::pair(options.still_m, options.still_rad);
-  options.still_m = kNearEnough_m, options.still_rad = kNearEnough_rad;
+  auto coarser = options;
+  coarser.max_iterations = 3;
+  coarser.still_m = kNearEnough_m, coarser.still_rad = kNearEnough_rad;
   Pose2 T = T_start;
-  if (with_coarse) T = alignToSurfels(points, maps.coarse, T, prior, options).T_map_robot;
-  T = alignToSurfels(points, maps.middle, T, prior, options).T_map_robot;
-  options.max_iterations = 10;
-  options.still_m = still_m, options.still_rad = still_rad;
+  if (with_coarse) T = alignToSurfels(points, maps.coarse, T, prior, coarser).T_map_robot;
+  T = alignToSurfels(points, maps.middle, T, prior, coarser).T_map_robot;
   return alignToSurfels(points, maps.fine, T, prior, options);
 }
 

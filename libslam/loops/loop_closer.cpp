@@ -286,7 +286,7 @@ double LoopCloser::ruledOutBefore(const keyframes::Hypothesis& loop) const {
 /// the same.
 bool LoopCloser::isKnownHere(const keyframes::Hypothesis& loop, double innovation) const {
   double ahead = -innovation / 2;
-  int known = 0, asked = 0;
+  size_t known = 0;
   for (const auto& [k, said] : loop.says) {
     const Pose2& T = map_->pose(k);
     std::vector<int> before;
@@ -294,7 +294,6 @@ bool LoopCloser::isKnownHere(const keyframes::Hypothesis& loop, double innovatio
          map_->keyframesAround(k, core::position(T), options_->map_path_m, options_->map_radius_m))
       if (old < k && map_->keyframe(k).path_m - map_->keyframe(old).path_m > options_->map_path_m)
         before.push_back(old);
-    ++asked;
     if (before.empty()) continue;
     ++known;
     const keyframes::LevelMaps& maps =
@@ -303,7 +302,7 @@ bool LoopCloser::isKnownHere(const keyframes::Hypothesis& loop, double innovatio
         keyframes::match(map_->keyframe(k).points, maps, T, keyframes::followedTo(T), 0, false);
     ahead += said.nats - keyframes::kNatsPerScan * matched.score;
   }
-  return 2 * known > asked && ahead < kAheadOfRival;
+  return 2 * known > loop.says.size() && ahead < kAheadOfRival;
 }
 
 std::optional<LoopCloser::Accepted> LoopCloser::accept(const keyframes::Hypothesis& loop) {
