@@ -10,7 +10,6 @@
 #include "apps/help_text.h"
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
-#include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/resources/resources.h"
 #include "libslam/score/compare.h"

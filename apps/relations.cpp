@@ -6,7 +6,6 @@
 #include "apps/commands.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/relation_error.h"
 

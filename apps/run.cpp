@@ -9,7 +9,7 @@
 #include "apps/console.h"
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
-#include "libslam/logs/relations_io.h"
+#include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/reach/reach_goal.h"
 #include "libslam/resources/ini_yaml.h"

@@ -12,7 +12,6 @@
 #include "libslam/core/random.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/relation_error.h"
 #include "libslam/metrics/trajectory_error.h"

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/core/relation.h"
 #include "libslam/lidar/scan.h"
 #include "libslam/robot/motion_kind.h"
 

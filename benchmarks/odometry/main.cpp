@@ -15,7 +15,6 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/navigate/driver.h"
 #include "libslam/record/record.h"

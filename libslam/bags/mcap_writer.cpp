@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "libslam/bags/mcap_format.h"
-#include "libslam/bags/ros2_bags.h"
 #include "libslam/bags/ros_bytes.h"
 #include "libslam/bags/ros_logs.h"
+#include "libslam/bags/ros_objects.h"
 #include "libslam/core/error.h"
 
 namespace slam::bags {

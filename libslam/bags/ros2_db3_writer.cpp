@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "libslam/bags/db3_database.h"
-#include "libslam/bags/ros2_bags.h"
 #include "libslam/bags/ros_bytes.h"
 #include "libslam/bags/ros_logs.h"
+#include "libslam/bags/ros_objects.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 

@@ -67,4 +67,20 @@ std::string shownName(std::string_view name);
 /// "1 message", "3 messages"
 std::string counted(std::uint64_t count, const char* singular);
 
+std::unique_ptr<RosMessages> openDb3Messages(const std::string& path);
+std::unique_ptr<RosMessages> openMcapMessages(const std::string& path);
+
+/// Of a bag that is a folder: what rosbag2 writes beside its files.
+inline constexpr const char* kMetadataName = "metadata.yaml";
+
+/// Quality of service of a latched topic, in rosbag2's YAML: keep last, 1, reliable, transient local, and no
+/// deadlines, which are written as the largest duration.
+inline constexpr const char* kLatchedQos =
+    "- history: 1\n  depth: 1\n  reliability: 1\n  durability: 1\n"
+    "  deadline:\n    sec: 9223372036\n    nsec: 854775807\n"
+    "  lifespan:\n    sec: 9223372036\n    nsec: 854775807\n"
+    "  liveliness: 1\n"
+    "  liveliness_lease_duration:\n    sec: 9223372036\n    nsec: 854775807\n"
+    "  avoid_ros_namespace_conventions: false";
+
 }  // namespace slam::bags

@@ -18,6 +18,9 @@ class Progress {
 };
 
 /// The sink that does nothing; safe to share between threads.
-Progress& silentProgress();
+inline Progress& silentProgress() {
+  static Progress silent;
+  return silent;
+}
 
 }  // namespace slam::core

@@ -11,11 +11,11 @@
 #include <memory>
 #include <optional>
 
-#include "libslam/calibration/log_visitor.h"
 #include "libslam/calibration/motion_series.h"
 #include "libslam/calibration/odometry_tally.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/doctor/log_visitor.h"
 #include "libslam/lidar/mrpt_types.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/objects/mrpt_time.h"
@@ -105,7 +105,7 @@ class StreamSurvey {
 };
 
 /// The first reading of a log: stamps and ranges.
-class Survey : public calibration::LogVisitor {
+class Survey : public LogVisitor {
  public:
   explicit Survey(LogFigures& figures) : figures_(figures) {}
 
@@ -185,7 +185,7 @@ class Survey : public calibration::LogVisitor {
 };
 
 /// The second reading: motion.
-class Matching : public calibration::LogVisitor {
+class Matching : public LogVisitor {
  public:
   Matching(LogFigures& figures, double period_s)
       : figures_(figures),
@@ -311,8 +311,8 @@ class Matching : public calibration::LogVisitor {
 };
 
 /// Visits all objects up to the end or the damage; the reader's words for it, or "".
-std::string visitAll(objects::ObjectSource& source, calibration::LogVisitor& visitor,
-                     core::Progress& progress, const LogFigures& figures) {
+std::string visitAll(objects::ObjectSource& source, LogVisitor& visitor, core::Progress& progress,
+                     const LogFigures& figures) {
   constexpr std::uint64_t kBetweenReports = 256;
   try {
     while (const auto object = source.next()) {
@@ -379,7 +379,7 @@ LogCheck checkLog(const std::string& path, const std::string& lidar, core::Progr
 }
 
 std::vector<calibration::StreamFigures> streamsOf(const std::string& path) {
-  struct Streams : calibration::LogVisitor {
+  struct Streams : LogVisitor {
     StreamSurvey survey;
     void takeObservation(const CObservation& observation, bool) override {
       survey.takeObservation(observation);

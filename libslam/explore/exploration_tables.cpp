@@ -1,10 +1,11 @@
 #include "libslam/explore/exploration_tables.h"
-#include "libslam/core/numbers.h"
-#include "libslam/table/number_text.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "libslam/core/numbers.h"
+#include "libslam/table/number_text.h"
 
 namespace slam::explore {
 namespace {
@@ -219,6 +220,28 @@ const std::vector<std::pair<std::string, std::string>>& explorationFigureInfos()
       {"revisits", "decisions to go back to where the pose was surer, for a loop"},
       {"return_distance_m", "true distance to the start after driving back to it"}};
   return infos;
+}
+
+core::Point2 goalInMap(const DecisionEntry& entry) {
+  const auto& d = entry.decision;
+  if (!d.path.empty()) return d.goal;
+  return entry.T_map_robot * core::polar(d.distance_m, d.turn_rad);
+}
+
+table::Table decisionTable(const std::vector<DecisionEntry>& decisions) {
+  table::Table table;
+  for (const char* key : {"time_s", "map_x_m", "map_y_m", "map_yaw_rad", "goal_x_m", "goal_y_m", "score",
+                          "spread_m", "certainty_m", "waypoints", "alternatives", "reason"})
+    table.columns.push_back({key, key, 3});
+  for (const auto& entry : decisions) {
+    const auto goal = goalInMap(entry);
+    const auto& decision = entry.decision;
+    table.rows.push_back({entry.time_s, entry.T_map_robot.x, entry.T_map_robot.y, entry.T_map_robot.phi,
+                          goal.x, goal.y, decision.score, decision.spread_m, decision.certainty_m,
+                          static_cast<double>(decision.path.size()),
+                          static_cast<double>(decision.alternatives.size()), decision.reason});
+  }
+  return table;
 }
 
 }  // namespace slam::explore

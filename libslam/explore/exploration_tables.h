@@ -3,10 +3,21 @@
 #include <string>
 #include <vector>
 
+#include "libslam/choices/decision.h"
+#include "libslam/core/pose2.h"
 #include "libslam/explore/explore.h"
 #include "libslam/table/latex.h"
 
 namespace slam::explore {
+
+/// A decision when it was taken.
+struct DecisionEntry {
+  double time_s;
+  core::Pose2 T_map_robot, T_world_robot;
+  choices::Decision decision;
+};
+/// Where it leads, map frame.
+core::Point2 goalInMap(const DecisionEntry& entry);
 
 /// Runs of one strategy, with other seeds.
 using StrategyRuns = std::vector<const Exploration*>;
@@ -23,6 +34,9 @@ table::Table statisticsTable(const std::vector<StrategyRuns>& groups, const std:
 table::Table scoresTable(const std::vector<StrategyRuns>& groups, const std::string& caption,
                          bool with_oracle);
 table::Table costTable(const std::vector<Exploration>& runs);
+
+/// A row for each decision.
+table::Table decisionTable(const std::vector<DecisionEntry>& decisions);
 
 /// Which end of a figure is good, by its key, for those where one is.
 std::map<std::string, table::Best> bestFigures();

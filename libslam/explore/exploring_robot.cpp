@@ -14,6 +14,18 @@ namespace {
 
 constexpr int kReturnDecisions = 50;  // a way back through a known map takes a few
 
+bool areSame(const std::vector<core::Point2>& a, const std::vector<core::Point2>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const core::Point2& p, const core::Point2& q) { return p.x == q.x && p.y == q.y; });
+}
+
+/// All that is written of them is the same.
+bool isSame(const choices::Decision& a, const choices::Decision& b) {
+  return a.turn_rad == b.turn_rad && a.distance_m == b.distance_m && a.score == b.score &&
+         a.finished == b.finished && a.reason == b.reason && areSame(a.path, b.path) &&
+         areSame(a.alternatives, b.alternatives);
+}
+
 }  // namespace
 
 ExploringRobot::ExploringRobot(const world::Plan& plan, const ExploreConfig& config, const LoopMethod& method,

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/explore/decision_log.h"
 #include "libslam/explore/exploration_loop.h"
 #include "libslam/explore/exploration_referee.h"
+#include "libslam/explore/exploration_tables.h"
 #include "libslam/explore/loop_localiser.h"
 #include "libslam/navigate/driver.h"
 #include "libslam/record/recorder.h"

@@ -1,7 +1,6 @@
 #include "libslam/graph/graph_slam.h"
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/pose_error.h"
-#include "libslam/keyframes/relative_error.h"
 #include "libslam/keyframes/search.h"
 
 /// How sure GraphSlam is of its poses. A scan errs against the map by its points' noise, as their residuals

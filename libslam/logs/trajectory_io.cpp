@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <initializer_list>
+#include <sstream>
 #include <string_view>
 #include <vector>
 
@@ -18,6 +19,9 @@ namespace {
 constexpr int kTimeDecimals = 6;
 constexpr int kTumDecimals = 9;
 constexpr int kMrptDecimals = 6;
+constexpr int kRelationDecimals = 6;
+constexpr size_t kRelationNumbers = 8;
+constexpr const char* kRelationColumns = "t1 t2 x y z roll pitch yaw";
 
 // A quaternion in a text file has a length near 1; a shorter one than this holds no direction.
 constexpr double kShortestQuaternion = 1e-6;
@@ -230,6 +234,42 @@ core::Trajectory readTrajectory(const std::string& path) {
            "found " + std::to_string(numbers) + " numbers, expected " + std::to_string(kTum.numbers) + " (" +
                kTum.columns + ") or " + std::to_string(kMrpt.numbers) + " (" + kMrpt.columns + ")");
   return toTrajectory(lines, numbers == kTum.numbers ? kTum : kMrpt, path);
+}
+
+core::Relations readRelations(const std::string& path) {
+  std::istringstream text(files::readTextFile(path));
+  core::Relations relations;
+  size_t number = 0;
+  for (std::string line; std::getline(text, line);) {
+    ++number;
+    const size_t first = line.find_first_not_of(kBlank);
+    if (first == std::string::npos || line[first] == '#') continue;
+    const auto values = parseNumbers(line, path, number);
+    if (values.size() != kRelationNumbers)
+      failAt(path, number,
+             "found " + std::to_string(values.size()) + " numbers, expected " +
+                 std::to_string(kRelationNumbers) + " (" + kRelationColumns + ")");
+    relations.push_back({values[0], values[1], {values[2], values[3], values[7]}});
+  }
+  if (relations.empty())
+    throw core::InputError(path + ": holds no relation, expected lines of " + kRelationColumns);
+  return relations;
+}
+
+void writeRelations(const core::Relations& relations, const std::string& path) {
+  if (relations.empty()) throw core::ContractError("writeRelations: no relation");
+  files::GrowingFile file(path);
+  for (const auto& [from_s, to_s, T] : relations) {
+    if (!std::isfinite(from_s) || !std::isfinite(to_s) || !core::isFinite(T))
+      throw core::ContractError("writeRelations: a number that is not finite");
+    std::string line;
+    for (const double value : {from_s, to_s, T.x, T.y, 0.0, 0.0, 0.0, core::wrapToPi(T.phi)}) {
+      if (!line.empty()) line += ' ';
+      core::appendFixed(line, value, kRelationDecimals);
+    }
+    file.append(line + '\n');
+  }
+  file.commit();
 }
 
 }  // namespace slam::logs

@@ -6,7 +6,6 @@
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/pose_error.h"
-#include "libslam/keyframes/relative_error.h"
 #include "libslam/keyframes/search.h"
 #include "libslam/loops/loop_closer.h"
 #include "libslam/scanmatch/information.h"

@@ -3,7 +3,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/keyframes/matching.h"
-#include "libslam/keyframes/relative_error.h"
+#include "libslam/keyframes/pose_error.h"
 #include "libslam/particles/particle_filter.h"
 #include "libslam/scanmatch/information.h"
 

@@ -6,7 +6,6 @@
 
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
-#include "libslam/core/relation.h"
 
 namespace slam::results {
 

@@ -6,7 +6,6 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
-#include "libslam/core/relation.h"
 #include "libslam/files/ini.h"
 #include "libslam/record/step_observer.h"
 #include "libslam/resources/manifest.h"

@@ -6,7 +6,7 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/logs/relations_io.h"
+#include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/run/build_map.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/logs/relations_io.h"
+#include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/process/worker.h"
 #include "libslam/resources/file_hash.h"

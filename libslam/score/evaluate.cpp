@@ -11,7 +11,7 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/ghosts.h"
 #include "libslam/resources/resources.h"
-#include "libslam/results/lost_time.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/score/metric_infos.h"
 #include "libslam/stats/consistency.h"
 #include "libslam/truth/movers_log.h"

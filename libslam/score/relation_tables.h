@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/core/relation.h"
 #include "libslam/metrics/relation_error.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/table/table.h"

@@ -1,4 +1,6 @@
 #pragma once
+#include <cstdio>
+
 #include "libslam/strategies/map_strategy.h"
 
 namespace slam::strategies {
@@ -10,7 +12,15 @@ class NearestFrontier : public MapStrategy {
   NearestFrontier(const StrategyOptions& options, core::RandomStream) : MapStrategy(options) {}
 
  private:
-  std::optional<Choice> choose(const Prospects& prospects) override;
+  std::optional<Choice> choose(const Prospects& prospects) override {
+    const choices::Viewpoint& nearest = prospects.viewpoints.front();
+    char reason[120];
+    std::snprintf(reason, sizeof reason, "nearest of %zu frontiers: %.2f m away, %.2f m long",
+                  prospects.frontiers.size(), nearest.length_m,
+                  static_cast<double>(prospects.frontiers[nearest.frontier].cells.size()) *
+                      prospects.space.resolution_m);
+    return Choice{0, -nearest.cost_m, reason, std::nullopt};
+  }
   bool wantsStandoffs() const override { return false; }
 };
 

@@ -14,7 +14,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/numbers.h"
 #include "libslam/files/files.h"
-#include "libslam/logs/relations_io.h"
+#include "libslam/logs/trajectory_io.h"
 #include "libslam/process/process_memory.h"
 #include "libslam/record/record.h"
 #include "libslam/resources/code_version.h"

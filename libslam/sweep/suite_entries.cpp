@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "libslam/logs/log_reader.h"
-#include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/resources/file_hash.h"

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"

@@ -1,4 +1,4 @@
-#include "libslam/logs/relations_io.h"
+#include "libslam/logs/trajectory_io.h"
 #include "tests/fuzz/fuzz_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

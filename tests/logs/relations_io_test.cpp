@@ -1,4 +1,4 @@
-#include "libslam/logs/relations_io.h"
+#include "libslam/logs/trajectory_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -15,7 +15,7 @@
 #include "libslam/record/record.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/resources.h"
-#include "libslam/results/lost_time.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/run/build_map.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/error_of.h"

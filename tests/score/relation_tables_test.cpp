@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "libslam/core/random.h"
-#include "libslam/logs/relations_io.h"
+#include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/relation_error.h"
 #include "libslam/testing/temp_folder.h"
 

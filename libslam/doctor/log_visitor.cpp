@@ -1,9 +1,9 @@
-#include "libslam/calibration/log_visitor.h"
+#include "libslam/doctor/log_visitor.h"
 
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
-namespace slam::calibration {
+namespace slam::doctor {
 
 void LogVisitor::visit(const mrpt::serialization::CSerializable& object) {
   using namespace mrpt::obs;
@@ -18,4 +18,4 @@ void LogVisitor::visit(const mrpt::serialization::CSerializable& object) {
   }
 }
 
-}  // namespace slam::calibration
+}  // namespace slam::doctor

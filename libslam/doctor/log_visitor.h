@@ -12,7 +12,7 @@ class CActionCollection;
 class CObservation;
 }  // namespace mrpt::obs
 
-namespace slam::calibration {
+namespace slam::doctor {
 
 /// What a log's objects hold, whichever of MRPT's two forms they have.
 class LogVisitor {
@@ -26,4 +26,4 @@ class LogVisitor {
   void visit(const mrpt::serialization::CSerializable& object);
 };
 
-}  // namespace slam::calibration
+}  // namespace slam::doctor
