@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/choices/decision.h"
 #include "libslam/core/pose2.h"
 #include "libslam/explore/explore.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/table/latex.h"
 
 namespace slam::explore {
