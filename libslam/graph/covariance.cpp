@@ -1,44 +1,11 @@
 #include "libslam/graph/graph_slam.h"
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/pose_error.h"
-#include "libslam/keyframes/search.h"
 
-/// How sure GraphSlam is of its poses. A scan errs against the map by its points' noise, as their residuals
-/// tell it. The map does not lie better than the keyframes that saw its surfaces first: errors grow from one
-/// view to the next that shares no surface with it, not from keyframe to keyframe. Where a match leaves a
-/// direction open, odometry adds to the error before.
+/// How sure GraphSlam is of its poses in the end. From scan to scan: tracking::PoseUncertainty.
 namespace slam::graph {
 
 using core::Pose2;
-
-/// What a scan tells of its pose, and what all scans so far say of the points' noise.
-void GraphSlam::noteEvidence(const std::vector<scanmatch::PatchPoint>& points, const Pose2& T_map_robot,
-                             const scanmatch::SurfelMap& map) {
-  evidence_ = evidenceOf(points, map, T_map_robot, keyframes::kKernel);
-  map_->pointNoise().add(evidence_);
-}
-
-/// Carries the covariance on to the scan at hand.
-void GraphSlam::estimateCovariance(const keyframes::Expected& e, const scanmatch::MatchResult& result) {
-  const Eigen::Matrix3d Q =
-      scanmatch::covarianceOf(scanmatch::poseInformation(e.step.sigma_xy_m, e.step.sigma_turn_rad));
-  const keyframes::PoseError error = keyframes::errorAfterMatch(
-      *map_, evidence_, result.posterior_information, result.T_map_robot, {e.T_before, covariance_, Q});
-  noise_ = error.noise, least_ = error.least, covariance_ = error.covariance;
-  // The first keyframe lies where it lies; what it saw does not.
-  if (map_->keyframes().size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(noise_);
-  const Eigen::Matrix3d since =
-      keyframes::moved(core::position(e.T_before), core::position(result.T_map_robot));
-  from_keyframe_ = scanmatch::withoutNegatives(
-      error.stays * (since * from_keyframe_ * since.transpose() + Q) * error.stays.transpose(),
-      keyframes::kLeastShare, 0);
-}
-
-/// What a scan's pose errs by beyond its keyframe's. Both were matched to a map, each with its own noise; but
-/// the first keyframe's pose is given, and what is matched to it errs by both views' noise.
-Eigen::Matrix3d GraphSlam::driftSinceKeyframe() const {
-  return anchor_ == 0 ? from_keyframe_ + keyframes::kBothViews * noise_ : from_keyframe_;
-}
 
 std::vector<Eigen::Matrix3d> GraphSlam::covariances() const {
   std::vector<Eigen::Matrix3d> result;

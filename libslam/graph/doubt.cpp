@@ -23,8 +23,6 @@ constexpr double kTold = 0.1;
 constexpr double kGap_m = 30, kGap_rad = 3;
 /// Keyframes that are all learnt from; then one in so many.
 constexpr int kLearntSoon = 20;
-/// Of what a scan sees the next one sees this share at least, as a rule.
-constexpr double kShared = 0.6;
 /// In standard deviations of odometry.
 constexpr double kMissed = 4;
 /// Wheels slipped, other than a robot that was carried off, when another motion leaves less than this share
@@ -39,31 +37,19 @@ constexpr double kFoundBack_rad = 0.3;
 
 }  // namespace
 
-/// How far a scan and the last one of its lidar contradict each other after a motion, 0..1: of the points
-/// that the one before speaks of, those in whose place it saw that there is nothing. It has to speak of
-/// kShared of them; what is missing there counts, too. 0 without a scan before.
-double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T_previous_robot) const {
-  if (before() == nullptr) return 0;
-  const keyframes::View seen =
-      keyframes::view(before()->scan, before()->T_seen_robot * T_previous_robot, points);
-  const double shared =
-      std::max<double>(seen.agreed + seen.passed, kShared * static_cast<double>(points.size()));
-  return shared > 0 ? 1 - seen.agreed / shared : 0;
-}
-
 /// The motion since the scan before by which the two scans contradict each other least, and by how much: as
 /// odometry has it, as matched, or, where these do not fit, as the two scans alone have it.
 keyframes::Break GraphSlam::breakBefore(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                                         const Pose2& T_before, const Pose2& T_previous_robot,
                                         const Pose2& T_previous_matched, bool has_odometry) const {
-  if (before() == nullptr || points.empty()) return {T_previous_robot, std::nan("")};
+  if (motion().before() == nullptr || points.empty()) return {T_previous_robot, std::nan("")};
   keyframes::Break best{T_previous_robot, 1};
   const auto consider = [&](const Pose2& T) {
-    const double conflict = brokenBy(points, T);
+    const double conflict = motion().brokenBy(points, T);
     if (conflict < best.contradicted) best = {T, conflict};
   };
   // What wheels cannot have missed is a break, unless scan, map and the scan before all agree on a slip.
-  const keyframes::Prediction odometry = predict(T_previous_robot, has_odometry);
+  const tracking::Prediction odometry = motion().predict(T_previous_robot, has_odometry);
   const Pose2 T_backwards{-T_previous_robot.x, -T_previous_robot.y, T_previous_robot.phi};
   const auto isNear = [&](const Pose2& T, const Pose2& T_odometry) {
     return core::distance(T, T_odometry) < kMissed * odometry.sigma_xy_m &&
@@ -74,12 +60,13 @@ keyframes::Break GraphSlam::breakBefore(const lidar::Scan& scan, const std::vect
   if (by_odometry <= 0) return best;  // nothing contradicts less
   const auto isPossible = [&](const Pose2& T) {
     if (isNear(T, T_previous_robot) || isNear(T, T_backwards)) return true;
-    return by_odometry > kBroken && isSlip(T, odometry) && brokenBy(points, T) < kSlipped * by_odometry &&
-           toldScore(points, T_before * T) >= options_.recover_score;
+    return by_odometry > tracking::kBroken && motion().isSlip(T, odometry) &&
+           motion().brokenBy(points, T) < kSlipped * by_odometry &&
+           around().toldScore(points, T_before * T) >= options_.recover_score;
   };
   if (isPossible(T_previous_matched)) consider(T_previous_matched);
   if (best.contradicted > kAskScans)
-    if (const auto motion = motionFromScans(scan); motion && isPossible(*motion)) consider(*motion);
+    if (const auto found = motion().fromScans(scan); found && isPossible(*found)) consider(*found);
   return best;
 }
 
@@ -90,13 +77,13 @@ void GraphSlam::lookWhetherLost(const lidar::Scan& scan, const std::vector<Patch
   keyframes::Told told;
   double explained = step.score;
   if (doubt_.begins < 0) {
-    told = map_->toldBy(map_->viewersOf(scan, step.T_map_robot, map_keyframes_, kAsked), points,
+    told = map_->toldBy(map_->viewersOf(scan, step.T_map_robot, around().keyframes(), kAsked), points,
                         step.T_map_robot, &scan);
   } else {
     told = trackBefore(scan, points, increment, has_odometry, explained);
     // People who walk about contradict what was seen a moment ago, too.
-    const auto own = map_->toldBy(map_->viewersOf(scan, step.T_map_robot, map_keyframes_, kAsked), points,
-                                  step.T_map_robot, &scan);
+    const auto own = map_->toldBy(map_->viewersOf(scan, step.T_map_robot, around().keyframes(), kAsked),
+                                  points, step.T_map_robot, &scan);
     told.contradicted = std::max(told.contradicted - own.contradicted, 0.0);
   }
   LostDetector::Look look{};
@@ -114,7 +101,7 @@ void GraphSlam::lookWhetherLost(const lidar::Scan& scan, const std::vector<Patch
 /// the scan. Odometry leads, within its noise.
 keyframes::Told GraphSlam::trackBefore(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                                        const Pose2& increment, bool has_odometry, double& explained) {
-  const keyframes::Prediction step = predict(increment, has_odometry);
+  const tracking::Prediction step = motion().predict(increment, has_odometry);
   PosePrior prior;
   prior.mean = doubt_.T_map_robot * increment;
   prior.information = scanmatch::poseInformation(step.sigma_xy_m, step.sigma_turn_rad);
@@ -137,15 +124,15 @@ void GraphSlam::learnWrongPlace(const lidar::Scan& scan, const std::vector<Patch
   // Often in the beginning, seldom when much is known.
   ++wrong_places_;
   if (wrong_places_ > kLearntSoon && wrong_places_ % kLearntSoon != 0) return;
-  if (map_keyframes_.empty() || points.empty()) return;
+  if (around().keyframes().empty() || points.empty()) return;
   const double turn = 0.5 + std::fmod(wrong_places_ * kGoldenAngle_rad, 2 * core::kPi - 1);
   const Pose2 wrong{T_map_robot.x, T_map_robot.y, T_map_robot.phi + turn};
   scanmatch::PosePrior flat;
   flat.mean = wrong;
   flat.information.setIdentity();
-  const auto matched = keyframes::match(points, maps_, wrong, flat, 0, true);
+  const auto matched = keyframes::match(points, around().maps(), wrong, flat, 0, true);
   if (std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kFoundBack_rad) return;
-  const auto viewers = map_->viewersOf(scan, matched.T_map_robot, map_keyframes_, kAsked);
+  const auto viewers = map_->viewersOf(scan, matched.T_map_robot, around().keyframes(), kAsked);
   if (viewers.empty()) return;
   lost_.learnWrong(map_->toldBy(viewers, points, matched.T_map_robot, &scan).against(matched.score));
 }
@@ -188,7 +175,7 @@ keyframes::Trust GraphSlam::weighDoubt(const Pose2& T_before, const keyframes::B
     return keyframes::Trust::kWell;
   }
   ++held_back_;
-  doubt_.held_s += period_s_;
+  doubt_.held_s += motion().period_s();
   keepTo(T_before * seam.T_previous_robot, seam.T_previous_robot, step);
   doubt_.held_m += core::hypot(seam.T_previous_robot.x, seam.T_previous_robot.y);
   const bool waits =
@@ -198,13 +185,13 @@ keyframes::Trust GraphSlam::weighDoubt(const Pose2& T_before, const keyframes::B
 
 /// The next keyframe begins a map of its own, for as long as the doubt lasts.
 void GraphSlam::beginOwnMap() {
-  forgetWheels();
+  tracker_.forgetWheels();
   doubt_.begins = map_->size();
   doubt_.explained_before = std::exchange(explained_here_, 0);
-  doubt_.maps = std::make_shared<keyframes::LevelMaps>(maps_);
+  doubt_.maps = std::make_shared<keyframes::LevelMaps>(around().maps());
   doubt_.T_map_robot = currentPose();
-  map_keyframes_.clear();
-  evidence_.by_view.clear();  // of the place where the robot is not
+  around().setKeyframes({});
+  uncertainty_.forgetViews();  // of the place where the robot is not
 }
 
 /// All is well again, and the robot is where the map from before has it. That map goes on from here; what was
@@ -213,11 +200,11 @@ void GraphSlam::comeBack(const lidar::Scan& scan, std::vector<PatchPoint> points
   const Pose2 T_map_robot = doubt_.T_map_robot;
   const Eigen::Matrix3d information = doubt_.information;
   const int before = map_->keyframeBefore(doubt_.begins), k = map_->size();
-  forgetWheels();
+  tracker_.forgetWheels();
   explained_here_ = doubt_.explained_before;
-  map_keyframes_ = keyframes::firstOf(keyframesBeforeDoubt(T_map_robot), kAsked);
+  around().setKeyframes(keyframes::firstOf(keyframesBeforeDoubt(T_map_robot), kAsked));
   T_keyframe_robot_ = core::between(map_->pose(anchor_), T_map_robot);
-  noteEvidence(points, T_map_robot, doubt_.maps->fine);
+  uncertainty_.noteEvidence(points, T_map_robot, doubt_.maps->fine);
   doubt_.begins = k;  // no link to the keyframe before
   addKeyframe(scan, std::move(points), T_map_robot, information);
   map_->link(before, k);
@@ -225,7 +212,7 @@ void GraphSlam::comeBack(const lidar::Scan& scan, std::vector<PatchPoint> points
   doubt_ = {};
   held_back_ = 0;
   setMapHere();
-  step.pose_covariance = covariance_;
+  step.pose_covariance = uncertainty_.covariance();
 }
 
 /// The doubt ends without an answer: what was mapped meanwhile is a part of the rest.
@@ -245,8 +232,8 @@ void GraphSlam::startElsewhere(double score) {
   loosen(k);
   for (int i = k; i < map_->size(); ++i) {
     map_->keyframes()[static_cast<size_t>(i)].path_m += keyframes::kGapPath_m;
-    map_->keyframes()[static_cast<size_t>(i)].covariance = covariance_;
-    map_->keyframes()[static_cast<size_t>(i)].root = scanmatch::rootOf(covariance_);
+    map_->keyframes()[static_cast<size_t>(i)].covariance = uncertainty_.covariance();
+    map_->keyframes()[static_cast<size_t>(i)].root = scanmatch::rootOf(uncertainty_.covariance());
   }
   map_->drive(keyframes::kGapPath_m);
   moveHeldBackTo(k);
@@ -264,7 +251,7 @@ void GraphSlam::loosen(int k) {
   map_->removeClosure(gap.from, k);
   gap.information = scanmatch::poseInformation(kGap_m, kGap_rad);
   map_->keyframes()[static_cast<size_t>(k)].odometry_edge = map_->graph().addEdge(gap);
-  covariance_ = scanmatch::covarianceOf(gap.information);
+  uncertainty_.setCovariance(scanmatch::covarianceOf(gap.information));
 }
 
 /// The scans that were held back when the doubt began belong to the new part.

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "libslam/core/elementary.h"
@@ -27,9 +26,9 @@ GraphSlam::GraphSlam(const keyframes::GraphOptions& options)
       map_(std::make_unique<keyframes::KeyframeMap>(options)),
       loops_(*map_),
       finder_(*map_),
-      maps_(options, true) {
-  map_->fill(maps_, {}, {});
-}
+      tracker_(*map_),
+      uncertainty_(*map_),
+      known_ground_(*map_) {}
 
 void GraphSlam::useThreads(int threads) {
   using Where = loops::LoopCloser::Where;
@@ -40,21 +39,10 @@ Pose2 GraphSlam::currentPose() const {
   return map_->pose(anchor_) * T_keyframe_robot_;
 }
 
-/// What was learnt of the wheels.
-void GraphSlam::noteWheels() {
-  const double factor = wheels_.scale().factor();
-  if (factor == 1) return;
-  char turns[100];
-  std::snprintf(turns, sizeof turns,
-                "turns by %.2f deg more per metre and by %.1f %% more than odometry says",
-                core::radToDeg(wheels_.heading().perMetre()), 100 * wheels_.heading().perRadian());
-  map_->note(core::JournalEvent::kCalibrated, factor, -1, turns);
-}
-
 GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previous_robot,
                                    bool has_odometry) {
   if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
-  has_odometry = noteScan(scan, T_previous_robot, has_odometry);
+  has_odometry = motion().begin(scan, T_previous_robot, has_odometry);
   // What a doubt holds of the map would not move with it.
   if (loops_.continueClosing(doubt_.begins < 0 && held_back_ == 0)) haveMoved();
   Step step;
@@ -64,7 +52,7 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
   } else {
     std::vector<PatchPoint> points;
     Eigen::Matrix3d information;
-    const Pose2 increment = has_odometry ? wheels_.corrected(T_previous_robot) : T_previous_robot_;
+    const Pose2 increment = has_odometry ? motion().corrected(T_previous_robot) : motion().step();
     const Pose2 T_before = currentPose();
     step = track(scan, increment, has_odometry, points, information);
     const Pose2 matched = core::between(T_before, step.T_map_robot);
@@ -82,8 +70,9 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
       if (trust == keyframes::Trust::kOwnMap) beginOwnMap();
       if (trust == keyframes::Trust::kWell) map_->noteExplained(step.score);
       addKeyframe(scan, std::move(points), step.T_map_robot, information);
-      if (trust == keyframes::Trust::kWell && is_known_ground_) retireOldest(map_->lastKeyframe());
-      step.pose_covariance = covariance_;
+      if (trust == keyframes::Trust::kWell && is_known_ground_)
+        known_ground_.retireOldest(map_->lastKeyframe());
+      step.pose_covariance = uncertainty_.covariance();
     }
     if (lost_.isLost() && doubt_.begins >= 0) startElsewhere(step.score);
     step.T_map_robot = currentPose();
@@ -97,8 +86,8 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
   }
   records_.push_back({anchor_, T_keyframe_robot_, step.drift_covariance});
   map_->nextScan();
-  keepScan(scan);
-  turned_before_rad_ = has_odometry ? std::abs(T_previous_robot.phi) : 0;
+  motion().end(scan);
+  motion().noteTurn(has_odometry ? std::abs(T_previous_robot.phi) : 0);
   return step;
 }
 
@@ -106,18 +95,16 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   if (map_->keyframes().empty()) throw core::ContractError("GraphSlam: startAt() without a map");
   completeClosing();
   T_keyframe_robot_ = core::between(map_->pose(anchor_), T_map_robot);
-  T_previous_robot_ = {};
-  steady_ = {};
+  motion().restart();
   odometry_holds_ = false;
-  wheels_.endPiece();
-  covariance_.setZero(), from_keyframe_.setZero();
-  forgetWheels();
+  uncertainty_.restart();
+  tracker_.forgetWheels();
   lost_.restart();
   doubt_ = {};
   explained_here_ = 1;  // what was given is a map
   is_lost_ = false;
   finder_.endTrail();
-  setMapNear(core::position(T_map_robot));
+  around().fillNear(core::position(T_map_robot));
 }
 
 /// What the scans cannot see, odometry has to hold; where it was wrong, the matched motion stands in for it,
@@ -140,8 +127,9 @@ void GraphSlam::addKeyframe(const lidar::Scan& scan, std::vector<PatchPoint> poi
                             const Eigen::Matrix3d& information) {
   const int k = map_->graph().addNode(T_map_robot);
   map_->keyframes().push_back({map_->scan(), scan, std::move(points), map_->path_m(), -1,
-                               by_wheels_.has_value(), false, -1, Eigen::Matrix3d::Zero(), noise_,
-                               covariance_, scanmatch::rootOf(covariance_ + noise_)});
+                               tracker_.isFollowingWheels(), false, -1, Eigen::Matrix3d::Zero(),
+                               uncertainty_.noise(), uncertainty_.covariance(),
+                               scanmatch::rootOf(uncertainty_.covariance() + uncertainty_.noise())});
   map_->links().addKeyframe();
   if (k == 0) {
     map_->graph().setFixed(0);
@@ -151,10 +139,10 @@ void GraphSlam::addKeyframe(const lidar::Scan& scan, std::vector<PatchPoint> poi
     // What was driven on known ground is no way from one to the other.
     if (anchor_ != k - 1) map_->addClosure(anchor_, k);
     addMatchEdges(k, T_map_robot, information);
-    keyframes::noteMatch(*map_, evidence_, least_);
+    keyframes::noteMatch(*map_, uncertainty_.evidence(), uncertainty_.least());
   }
   anchor_ = k;
-  from_keyframe_.setZero();
+  uncertainty_.beginKeyframe();
   T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = {};
   odometry_holds_ = true;
   if (options_.loops && k > 0)
@@ -183,7 +171,7 @@ void GraphSlam::finish(core::Progress& progress) {
   if (first_new != map_->keyframes().end() && loops_.closeRest()) haveMoved();
   noteWhatStaysApart();
   if (options_.refine_rounds > 0) refine();
-  noteWheels();
+  motion().noteWheels();
 }
 
 }  // namespace slam::graph

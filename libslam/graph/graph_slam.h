@@ -12,7 +12,7 @@
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
-#include "libslam/graph/change_marks.h"
+#include "libslam/graph/known_ground.h"
 #include "libslam/graph/lost_detector.h"
 #include "libslam/keyframes/graph_options.h"
 #include "libslam/keyframes/keyframe_map.h"
@@ -22,12 +22,8 @@
 #include "libslam/loops/part_finder.h"
 #include "libslam/loops/part_place.h"
 #include "libslam/posegraph/pose_graph.h"
-#include "libslam/scanmatch/surfel_matcher.h"
-#include "libslam/wheels/leaps.h"
-#include "libslam/wheels/silence.h"
-#include "libslam/wheels/steady_motion.h"
-#include "libslam/wheels/way_sign.h"
-#include "libslam/wheels/wheel_calibration.h"
+#include "libslam/tracking/pose_uncertainty.h"
+#include "libslam/tracking/tracker.h"
 
 namespace slam::graph {
 
@@ -156,74 +152,26 @@ class GraphSlam {
   void addMatchEdges(int keyframe, const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
   std::optional<scanmatch::MatchResult> matchToPass(int keyframe, const std::vector<int>& pass,
                                                     const core::Pose2& T_map_robot);
-  // known_ground.cpp: where no more keyframes are needed
+  // next_keyframe.cpp: which scan becomes one
   bool needsKeyframe(const lidar::Scan& scan, const Points& points, const Step& step);
   bool isKnownGround(const lidar::Scan& scan, const core::Pose2& T_map_robot) const;
   bool hasGoneOn(double share) const;
   void hangOn(int keyframe, const core::Pose2& T_map_robot);
-  bool hasChanged(const lidar::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
-  void forgetGone(const lidar::Scan& scan, const core::Pose2& T_map_robot);
-  void retireOldest(int keyframe);
-
-  // motion.cpp: what is known of a step before it is matched
-  bool noteScan(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
-  void keepScan(const lidar::Scan& scan);
-  const keyframes::Seen* before() const;
-  keyframes::Prediction predict(const core::Pose2& T_previous_robot, bool has_odometry) const;
-  double farthestMove() const;
-  double sigmaOfWheels_rad(const core::Pose2& T_wheels) const;
-  bool isSlip(const core::Pose2& T_previous_robot, const keyframes::Prediction& by_wheels) const;
-  std::optional<core::Pose2> motionFromScans(const lidar::Scan& scan) const;
-  std::optional<core::Pose2> findMotion(const lidar::Scan& scan) const;
 
   // track.cpp: a scan and the map around
   Step track(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry, Points& points,
              Eigen::Matrix3d& information);
-  keyframes::Expected expect(const core::Pose2& T_previous_robot, bool has_odometry) const;
-  keyframes::Start bestStart(const lidar::Scan& scan, const Points& points,
-                             const keyframes::Expected& expected) const;
-  void turnAbout(const keyframes::Expected& expected,
-                 const std::function<void(const core::Pose2&)>& consider) const;
-  void slide(const keyframes::Expected& expected, const core::Pose2& motion,
-             const std::function<void(const core::Pose2&)>& consider) const;
-  double unlikely(const core::Pose2& T_map_robot, const keyframes::Expected& expected) const;
-  double brokenAt(const core::Pose2& T_map_robot, const Points& points,
-                  const keyframes::Expected& expected) const;
-  bool isBetter(const scanmatch::MatchResult& other, const scanmatch::MatchResult& than, double least_gain,
-                const Points& points, const keyframes::Expected& expected) const;
-  bool isPoor(const scanmatch::MatchResult& result, const Points& points) const;
-  std::pair<scanmatch::MatchResult, bool> bestMatch(const lidar::Scan& scan, const Points& points,
-                                                    const keyframes::Expected& expected);
-  void stayWithWheels(const Points& points, const keyframes::Expected& expected,
-                      scanmatch::MatchResult& result) const;
-  void setMap(const std::vector<int>& near, const core::Point2& centre);
-  void setMapHere();
-  void setMapNear(const core::Point2& centre);
-  double knownShare(const Points& points, const core::Pose2& T_map_robot) const;
-  bool isToldByScans(const core::Pose2& T, const std::vector<scanmatch::PatchPoint>& points,
-                     const keyframes::Expected& e) const;
-  void followWheels(const core::Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained);
-  void forgetWheels();
-  void noteWheels();
-  void learnWheels(const keyframes::Expected& expected, const core::Pose2& T_map_robot,
+  void learnWheels(const tracking::Expected& expected, const core::Pose2& T_previous_matched,
                    const Eigen::Matrix3d& information, const Eigen::Matrix3d& posterior_information,
                    bool is_believed);
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
-
-  // look_around.cpp: a scan that is poorly explained
-  bool lookAround(const Points& points, const keyframes::Expected& expected, scanmatch::MatchResult& result);
-  std::optional<scanmatch::MatchResult> recover(const Points& points, const core::Pose2& predicted,
-                                                const core::Pose2& matched) const;
-  std::vector<core::Pose2> placesWithinReach(const Points& points, const keyframes::Expected& expected) const;
-
-  // explained.cpp: what is known of a scan, and explained
-  double toldScore(const Points& points, const core::Pose2& T_map_robot) const;
-  double gain(const Points& points, const core::Pose2& T_map_robot, const core::Pose2& T_map_other) const;
+  void setMapHere();
+  tracking::Motion& motion() { return tracker_.motion(); }
+  const tracking::Motion& motion() const { return tracker_.motion(); }
+  tracking::LocalMap& around() { return tracker_.around(); }
+  const tracking::LocalMap& around() const { return tracker_.around(); }
 
   // doubt.cpp: whether the robot was kidnapped
-  /// Two scans that contradict each other by more than this: the motion between them is wrong.
-  static constexpr double kBroken = 0.5;
-  double brokenBy(const Points& points, const core::Pose2& T_previous_robot) const;
   keyframes::Break breakBefore(const lidar::Scan& scan, const Points& points, const core::Pose2& T_before,
                                const core::Pose2& T_previous_robot, const core::Pose2& T_previous_matched,
                                bool has_odometry) const;
@@ -242,11 +190,6 @@ class GraphSlam {
   void startElsewhere(double score);
   void loosen(int keyframe);
   void moveHeldBackTo(int keyframe);
-
-  // covariance.cpp
-  void noteEvidence(const Points& points, const core::Pose2& T_map_robot, const scanmatch::SurfelMap& map);
-  void estimateCovariance(const keyframes::Expected& expected, const scanmatch::MatchResult& result);
-  Eigen::Matrix3d driftSinceKeyframe() const;
 
   // parts.cpp: loops, and parts of the map that have no known place in one another
   void noteLoop(const loops::LoopCloser::Accepted& loop);
@@ -271,40 +214,18 @@ class GraphSlam {
 
   keyframes::GraphOptions options_;
   std::unique_ptr<keyframes::KeyframeMap>
-      map_;  ///< stays where it is when this is moved: the next two look at it
+      map_;  ///< stays where it is when this is moved: those below look at it
   loops::LoopCloser loops_;
   loops::PartFinder finder_;
   std::deque<keyframes::Record> records_;  // grows without a copy of all
-  keyframes::LevelMaps maps_;
-  std::vector<int> map_keyframes_;
-  scanmatch::MatchEvidence evidence_;                     ///< of the scan at hand
-  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  ///< of its pose in the map
-  Eigen::Matrix3d from_keyframe_ =
-      Eigen::Matrix3d::Zero();  ///< of what odometry alone tells since the keyframe
-  Eigen::Matrix3d noise_ = Eigen::Matrix3d::Zero(),
-                  least_ = Eigen::Matrix3d::Zero();  ///< of one scan: its match, and with odometry
+  tracking::Tracker tracker_;
+  tracking::PoseUncertainty uncertainty_;
+  KnownGround known_ground_;
   int anchor_ = 0;  ///< the keyframe that the robot hangs on: the last, or one of known ground
-  core::Pose2 T_keyframe_robot_, T_previous_robot_;
+  core::Pose2 T_keyframe_robot_;
   core::Pose2 T_keyframe_hung_, T_odometry_;  ///< when it was hung on it; by odometry since then
-  wheels::WheelCalibration wheels_;
-  wheels::Leaps leaps_;
-  wheels::Silence silence_;
-  wheels::WaySign way_sign_;
-  wheels::SteadyMotion steady_;
-  double turned_before_rad_ = 0;  ///< by odometry, before the scan at hand
-  bool odometry_holds_ = true;    ///< since then
-  bool is_known_ground_ = false;  ///< under the scan at hand
-  ChangeMarks appeared_, gone_;
-  std::optional<core::Pose2> by_wheels_;  ///< map frame: see followWheels()
-  int unsure_from_ = 0;                   ///< keyframe; meanwhile
-  int explained_ = 0;                     ///< scans in a row
-  double let_go_m_ = 0;                   ///< driven then
-  std::vector<keyframes::Seen> seen_;     ///< one per lidar
-  int before_ = -1;                       ///< of these, the one of the scan at hand; -1: its lidar is new
-  mutable bool has_motion_ = false;       ///< of the scan at hand: findMotion() was asked
-  mutable std::optional<core::Pose2> motion_;  ///< and gave this
-  double previous_time_s_ = 0;                 ///< of the last scan of any
-  double period_s_ = 0, mean_period_s_ = 0;    ///< from the scan before to the last one
+  bool odometry_holds_ = true;                ///< since then
+  bool is_known_ground_ = false;              ///< under the scan at hand
   LostDetector lost_;
   keyframes::Doubt doubt_;
   int explained_here_ = 0;  ///< scans, by the map of the part, since a doubt by that which was made meanwhile

@@ -28,7 +28,7 @@ void GraphSlam::addKnownKeyframe(const lidar::Scan& scan, const Pose2& T_given_r
       known_parts_.empty() ? T_given_robot : known_parts_.back().T_map_given * T_given_robot;
   if (begins_part) {
     known_parts_.back().T_given_first = T_given_robot;
-    map_keyframes_.clear();
+    around().setKeyframes({});
     map_->drive(keyframes::kGapPath_m);
   } else {
     T_odometry_ = core::between(k == 0 ? Pose2{} : map_->pose(k - 1), T_map_robot);

@@ -30,9 +30,9 @@ GraphSlam::Step GraphSlam::localise(const lidar::Scan& scan, const Pose2& T_prev
   completeClosing();
   std::vector<PatchPoint> points;
   Eigen::Matrix3d information;
-  has_odometry = noteScan(scan, T_previous_robot, has_odometry);
-  Pose2 increment = has_odometry ? wheels_.corrected(T_previous_robot) : T_previous_robot_;
-  if (is_lost_ && !has_odometry) increment = motionFromScans(scan).value_or(increment);
+  has_odometry = motion().begin(scan, T_previous_robot, has_odometry);
+  Pose2 increment = has_odometry ? motion().corrected(T_previous_robot) : motion().step();
+  if (is_lost_ && !has_odometry) increment = motion().fromScans(scan).value_or(increment);
   const Pose2 predicted = currentPose() * increment;
   Step step;
   if (is_lost_) {
@@ -57,8 +57,8 @@ GraphSlam::Step GraphSlam::localise(const lidar::Scan& scan, const Pose2& T_prev
     // A robot that has left the map is not searched for: odometry leads it back. What little fits would
     // mislead it; and it is back when a scan fits as a whole.
     const bool was_outside = is_outside_;
-    is_outside_ =
-        knownShare(points, predicted) < kLeastKnown || (was_outside && !fitsMap(points, step.T_map_robot));
+    is_outside_ = around().knownShare(points, predicted) < kLeastKnown ||
+                  (was_outside && !fitsMap(points, step.T_map_robot));
     if (is_outside_ != was_outside)
       map_->note(is_outside_ ? core::JournalEvent::kOutside : core::JournalEvent::kInside, step.score);
     if (is_outside_ || lost_.isInDoubt()) {
@@ -71,10 +71,10 @@ GraphSlam::Step GraphSlam::localise(const lidar::Scan& scan, const Pose2& T_prev
   }
   odometry_holds_ = false;
   T_keyframe_robot_ = core::between(map_->pose(anchor_), step.T_map_robot);
-  if (!is_lost_) setMapNear(core::position(step.T_map_robot));
+  if (!is_lost_) around().fillNear(core::position(step.T_map_robot));
   records_.push_back({anchor_, T_keyframe_robot_, step.drift_covariance});
   map_->nextScan();
-  keepScan(scan);
+  motion().end(scan);
   return step;
 }
 

@@ -14,14 +14,14 @@ void GraphSlam::noteLoop(const loops::LoopCloser::Accepted& loop) {
   // What a loop ties to the rest needs no doubt.
   if (doubt_.begins > loop.old_keyframe && doubt_.begins <= loop.keyframe) endDoubt();
   if (!loop.joins) return;
-  forgetWheels();
+  tracker_.forgetWheels();
   finder_.forgetPlaces();
 }
 
 /// After the keyframes have moved.
 void GraphSlam::haveMoved() {
-  forgetWheels();
-  covariance_ = map_->keyframe(anchor_).covariance;
+  tracker_.forgetWheels();
+  uncertainty_.setCovariance(map_->keyframe(anchor_).covariance);
   setMapHere();
 }
 

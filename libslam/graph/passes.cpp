@@ -22,12 +22,12 @@ constexpr double kLeastTelling = 0.2;
 /// ends, and not where their mean was.
 void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matrix3d& information) {
   std::vector<int> lately, before;
-  for (const int other : map_keyframes_) {
+  for (const int other : around().keyframes()) {
     const bool is_late = std::abs(map_->path_m() - map_->keyframe(other).path_m) < options_.map_path_m;
     (is_late ? lately : before).push_back(other);
   }
   const bool are_two = !lately.empty() && !before.empty();
-  const auto partners = map_->partnersOf(k, map_keyframes_, T_map_robot);
+  const auto partners = map_->partnersOf(k, around().keyframes(), T_map_robot);
   for (const auto* pass : {&lately, &before}) {
     Pose2 T = T_map_robot;
     Eigen::Matrix3d told = information;
@@ -50,7 +50,7 @@ void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matr
 /// of the map around, which addKeyframe() makes anew.
 std::optional<scanmatch::MatchResult> GraphSlam::matchToPass(int k, const std::vector<int>& pass,
                                                              const Pose2& T_map_robot) {
-  scanmatch::SurfelMap& map = maps_.fine;
+  scanmatch::SurfelMap& map = around().lentMap();
   map.clear(core::position(T_map_robot), keyframes::kMapReach_m);
   for (const int other : pass) map.add(map_->inCells(other), other);
   scanmatch::PosePrior flat;

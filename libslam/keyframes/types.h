@@ -29,9 +29,9 @@ struct Keyframe {
   std::vector<scanmatch::PatchPoint> points;  ///< robot frame
   double path_m;                              ///< driven since the start
   int odometry_edge;                          ///< from the one that it was reached from
-  bool unsure = false;                        ///< no scan is matched to it: see followWheels()
+  bool unsure = false;                        ///< no scan is matched to it: see tracking::Tracker
   bool is_retired = false;                    ///< nor to this one, for ever; nothing of its scan is kept
-  // covariance.cpp
+  // how sure its pose is: see pose_error.h
   int matched_to = -1;          ///< keyframe that saw first what it was matched to, most of it; -1: none
   Eigen::Matrix3d information;  ///< what is known of its pose from there; body frame
   Eigen::Matrix3d noise;        ///< of its pose against the map as it was; map frame, like those that follow
@@ -52,24 +52,6 @@ struct Record {
 struct LevelMaps {
   scanmatch::SurfelMap fine, middle, coarse;
   LevelMaps(const GraphOptions& options, bool for_tracking);
-};
-/// A step as odometry has it, or else the motion before, and standard deviations.
-struct Prediction {
-  core::Pose2 T_previous_robot;
-  double sigma_xy_m, sigma_turn_rad;
-};
-/// What is known of a scan's pose before it is matched; map frame.
-struct Expected {
-  Prediction step;
-  bool has_odometry;
-  core::Pose2 T_before, predicted;
-  core::Pose2 backwards;  ///< should odometry's metres be those of a motion backwards
-  core::Pose2 by_wheels;  ///< see GraphSlam::followWheels()
-};
-/// Where matching begins, and how much more than from odometry's pose is explained there.
-struct Start {
-  core::Pose2 T_map_robot;
-  double gain;
 };
 /// What is searched for when loops are: the newest keyframes' points, in the frame of the last of them.
 struct LoopSearch {
@@ -195,11 +177,6 @@ struct View {
   double conflict() const;
 };
 
-/// The last scan of a lidar, and how the robot has moved from there to the scan before the one at hand.
-struct Seen {
-  lidar::Scan scan;
-  core::Pose2 T_seen_robot;
-};
 /// How a scan joins the last one of its lidar.
 struct Break {
   core::Pose2 T_previous_robot;

@@ -54,6 +54,7 @@ tests_of() {
     drafting) echo check ;;
     keyframes) echo "keyframes graph" ;;
     loops) echo "loops graph" ;;
+    tracking) echo "tracking graph" ;;
     choices | strategies | safety) echo "$1 navigate" ;;
     movers) echo "movers sim" ;;
     calibration) echo "calibration doctor" ;;

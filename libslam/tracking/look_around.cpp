@@ -2,10 +2,10 @@
 #include <cmath>
 #include <cstddef>
 
-#include "libslam/graph/graph_slam.h"
 #include "libslam/keyframes/matching.h"
+#include "libslam/tracking/tracker.h"
 
-namespace slam::graph {
+namespace slam::tracking {
 namespace {
 
 using core::Pose2;
@@ -35,32 +35,33 @@ PosePrior weakPrior(const Pose2& T_start) {
 }  // namespace
 
 /// The best pose on a lattice around the predicted one, refined without regard to odometry.
-std::optional<MatchResult> GraphSlam::recover(const std::vector<PatchPoint>& points, const Pose2& predicted,
-                                              const Pose2& matched) const {
+std::optional<MatchResult> Tracker::recover(const std::vector<PatchPoint>& points, const Pose2& predicted,
+                                            const Pose2& matched) const {
   Pose2 best = matched;
-  const double before = surfelScore(points, maps_.middle, matched, keyframes::kKernel, 2);
+  const double before = surfelScore(points, around_.maps().middle, matched, keyframes::kKernel, 2);
   double best_score = before;
   for (int turn = -kLatticeTurns; turn <= kLatticeTurns; ++turn)
     for (int x = -kLatticeSteps; x <= kLatticeSteps; ++x)
       for (int y = -kLatticeSteps; y <= kLatticeSteps; ++y) {
         const Pose2 candidate{predicted.x + kLatticeStep_m * x, predicted.y + kLatticeStep_m * y,
                               predicted.phi + kLatticeTurn_rad * turn};
-        const double score = surfelScore(points, maps_.middle, candidate, keyframes::kKernel, 2, best_score);
+        const double score =
+            surfelScore(points, around_.maps().middle, candidate, keyframes::kKernel, 2, best_score);
         if (score > best_score) best_score = score, best = candidate;
       }
   if (!(best_score > before)) return std::nullopt;
-  return keyframes::match(points, maps_, best, weakPrior(best), 0, false);
+  return keyframes::match(points, around_.maps(), best, weakPrior(best), 0, false);
 }
 
 /// Poses in which a robot may be whose wheels slipped since the scan before, and that explain much of a scan:
 /// the best first, each far from the others.
-std::vector<Pose2> GraphSlam::placesWithinReach(const std::vector<PatchPoint>& points,
-                                                const keyframes::Expected& e) const {
+std::vector<Pose2> Tracker::placesWithinReach(const std::vector<PatchPoint>& points,
+                                              const Expected& e) const {
   struct Place {
     double score;
     Pose2 T_map_robot;
   };
-  const int steps = static_cast<int>(farthestMove() / kPitch_m),
+  const int steps = static_cast<int>(motion_.farthestMove() / kPitch_m),
             turns = static_cast<int>(kMostTurn_rad / kPitch_rad);
   std::vector<Place> places;
   for (int turn = -turns; turn <= turns; ++turn)
@@ -68,9 +69,9 @@ std::vector<Pose2> GraphSlam::placesWithinReach(const std::vector<PatchPoint>& p
       for (int y = -steps; y <= steps; ++y) {
         const Pose2 T{e.T_before.x + kPitch_m * x, e.T_before.y + kPitch_m * y,
                       e.predicted.phi + kPitch_rad * turn};
-        if (!isSlip(core::between(e.T_before, T), e.step)) continue;
-        const double score =
-            surfelScore(points, maps_.coarse, T, keyframes::kKernel, keyframes::kStride, kLeastOfPlace);
+        if (!motion_.isSlip(core::between(e.T_before, T), e.step)) continue;
+        const double score = surfelScore(points, around_.maps().coarse, T, keyframes::kKernel,
+                                         keyframes::kStride, kLeastOfPlace);
         if (score > kLeastOfPlace) places.push_back({score, T});
       }
   std::stable_sort(places.begin(), places.end(),
@@ -90,8 +91,7 @@ std::vector<Pose2> GraphSlam::placesWithinReach(const std::vector<PatchPoint>& p
 /// Looks for a better match of a scan that is poorly explained: close to where odometry has it, and, where
 /// the scan before contradicts what is found, too, wherever a slip of the wheels may have left the robot.
 /// Whether there was one.
-bool GraphSlam::lookAround(const std::vector<PatchPoint>& points, const keyframes::Expected& e,
-                           MatchResult& result) {
+bool Tracker::lookAround(const std::vector<PatchPoint>& points, const Expected& e, MatchResult& result) {
   bool is_found = false;
   const auto consider = [&](const MatchResult& other) {
     if (!isBetter(other, result, kRecoverGain, points, e)) return;
@@ -99,13 +99,13 @@ bool GraphSlam::lookAround(const std::vector<PatchPoint>& points, const keyframe
     is_found = true;
   };
   if (const auto other = recover(points, e.predicted, result.T_map_robot)) consider(*other);
-  if (e.has_odometry && isPoor(result, points) && brokenAt(result.T_map_robot, points, e) > kBroken)
+  if (e.has_odometry && around_.isPoor(result, points) && brokenAt(result.T_map_robot, points, e) > kBroken)
     for (const Pose2& T : placesWithinReach(points, e)) {
-      const auto other = keyframes::match(points, maps_, T, weakPrior(T), 0, true);
-      if (isSlip(core::between(e.T_before, other.T_map_robot), e.step)) consider(other);
+      const auto other = keyframes::match(points, around_.maps(), T, weakPrior(T), 0, true);
+      if (motion_.isSlip(core::between(e.T_before, other.T_map_robot), e.step)) consider(other);
     }
   if (is_found) map_->note(core::JournalEvent::kRematched, result.score);
   return is_found;
 }
 
-}  // namespace slam::graph
+}  // namespace slam::tracking

@@ -1,15 +1,19 @@
+#include "libslam/tracking/motion.h"
+
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "libslam/core/elementary.h"
-#include "libslam/graph/graph_slam.h"
+#include "libslam/keyframes/matching.h"
 #include "libslam/odometry/scan_odometry.h"
 #include "libslam/scanmatch/information.h"
 
-namespace slam::graph {
+namespace slam::tracking {
 namespace {
 
 using core::Pose2;
+using scanmatch::PatchPoint;
 
 /// A step counts as this long at least and at most: between a burst of scans and a log that was paused.
 constexpr double kLeastPeriod_s = 1e-3, kMostPeriod_s = 2;
@@ -22,17 +26,16 @@ constexpr double kUnknown_mps = 2.5, kUnknown_radps = 2.5, kUnknownMost = 1;
 constexpr double kSlipBeside = 4, kSlipTurned = 10;
 /// Two scans are searched for turns of an indoor robot between them up to this speed.
 constexpr double kFastest_radps = 4;
+/// Of what a scan sees the next one sees this share at least, as a rule.
+constexpr double kShared = 0.6;
 
 }  // namespace
 
-/// What is there to go by: the time since the scan before, and the last scan of the same lidar. Whether there
-/// is odometry, which is none where it leaps or says nothing.
-bool GraphSlam::noteScan(const lidar::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
+bool Motion::begin(const lidar::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
   has_motion_ = false;
   if (seen_.empty()) return has_odometry;
-  const auto same = std::find_if(seen_.begin(), seen_.end(), [&](const keyframes::Seen& seen) {
-    return lidar::areOfOneLidar(seen.scan, scan);
-  });
+  const auto same = std::find_if(seen_.begin(), seen_.end(),
+                                 [&](const Seen& seen) { return lidar::areOfOneLidar(seen.scan, scan); });
   before_ = same == seen_.end() ? -1 : static_cast<int>(same - seen_.begin());
   const bool is_first = !(period_s_ > 0);
   const double since_s = scan.time_s - previous_time_s_;
@@ -49,8 +52,7 @@ bool GraphSlam::noteScan(const lidar::Scan& scan, const Pose2& T_previous_robot,
   return has_odometry;
 }
 
-/// After a scan was taken in.
-void GraphSlam::keepScan(const lidar::Scan& scan) {
+void Motion::end(const lidar::Scan& scan) {
   if (silence_.note(T_previous_robot_)) map_->note(core::JournalEvent::kSilent, 0);
   steady_.note(T_previous_robot_);
   for (auto& seen : seen_) seen.T_seen_robot = seen.T_seen_robot * T_previous_robot_;
@@ -62,21 +64,17 @@ void GraphSlam::keepScan(const lidar::Scan& scan) {
   previous_time_s_ = scan.time_s;
 }
 
-/// The last scan of the lidar that made the one at hand; null without one that says anything.
-const keyframes::Seen* GraphSlam::before() const {
+const Seen* Motion::before() const {
   if (before_ < 0 || seen_[static_cast<size_t>(before_)].scan.ranges_m.size() < 2) return nullptr;
   return &seen_[static_cast<size_t>(before_)];
 }
 
-/// Between two scans; of an indoor robot, and no farther than where little is seen twice.
-double GraphSlam::farthestMove() const {
+double Motion::farthestMove() const {
   constexpr double kFastest_mps = 3, kFarthest_m = 4;
   return std::min(kFastest_mps * period_s_, kFarthest_m);
 }
 
-/// Whether wheels that slip may have said such a step of another one: they turn without the robot, which goes
-/// no farther than they do.
-bool GraphSlam::isSlip(const Pose2& T_previous_robot, const keyframes::Prediction& by_wheels) const {
+bool Motion::isSlip(const Pose2& T_previous_robot, const Prediction& by_wheels) const {
   const Pose2& T_wheels = by_wheels.T_previous_robot;
   const double most_m = core::hypot(T_wheels.x, T_wheels.y) + kSlipBeside * by_wheels.sigma_xy_m;
   return core::hypot(T_previous_robot.x, T_previous_robot.y) <= std::min(most_m, farthestMove()) &&
@@ -84,22 +82,20 @@ bool GraphSlam::isSlip(const Pose2& T_previous_robot, const keyframes::Predictio
              kSlipTurned * by_wheels.sigma_turn_rad;
 }
 
-/// Standard deviation of a step's turn, by what the drive so far showed. Wheels and lidar keep different
-/// time: what wheels say of a turn may belong to the step before or after.
-double GraphSlam::sigmaOfWheels_rad(const Pose2& T_wheels) const {
+double Motion::sigmaOfWheels_rad(const Pose2& T_wheels) const {
   return wheels_.sigmaTurn_rad(
       {T_wheels.x, T_wheels.y, std::max(std::abs(T_wheels.phi), turned_before_rad_)});
 }
 
-keyframes::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has_odometry) const {
-  keyframes::Prediction result;
+Prediction Motion::predict(const Pose2& T_previous_robot, bool has_odometry) const {
+  Prediction result;
   result.T_previous_robot = has_odometry ? T_previous_robot : T_previous_robot_;
   const Pose2& T = result.T_previous_robot;
   const double root = std::sqrt((mean_period_s_ > 0 ? mean_period_s_ : scanmatch::kNominalPeriod_s) /
                                 scanmatch::kNominalPeriod_s);
-  result.sigma_xy_m = root * options_.odometry_xy_m + options_.odometry_xy_per_m * core::hypot(T.x, T.y);
+  result.sigma_xy_m = root * options_->odometry_xy_m + options_->odometry_xy_per_m * core::hypot(T.x, T.y);
   const double turn_rad = has_odometry ? std::max(std::abs(T.phi), turned_before_rad_) : std::abs(T.phi);
-  result.sigma_turn_rad = root * options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad;
+  result.sigma_turn_rad = root * options_->odometry_turn_rad + options_->odometry_turn_per_rad * turn_rad;
   if (has_odometry) {
     result.sigma_turn_rad = std::max(result.sigma_turn_rad, sigmaOfWheels_rad(T));
   } else {
@@ -109,15 +105,13 @@ keyframes::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has
   return result;
 }
 
-/// The robot's motion since the scan before, from this scan and the last one of its lidar alone; nothing
-/// where they leave it open. Dear, and asked more than once.
-std::optional<Pose2> GraphSlam::motionFromScans(const lidar::Scan& scan) const {
-  if (!has_motion_) motion_ = findMotion(scan);
+std::optional<Pose2> Motion::fromScans(const lidar::Scan& scan) const {
+  if (!has_motion_) motion_ = find(scan);
   has_motion_ = true;
   return motion_;
 }
 
-std::optional<Pose2> GraphSlam::findMotion(const lidar::Scan& scan) const {
+std::optional<Pose2> Motion::find(const lidar::Scan& scan) const {
   if (before() == nullptr) return std::nullopt;
   odometry::ScanOdometryOptions options;
   options.max_turn_rad = std::clamp(kFastest_radps * period_s_, options.max_turn_rad, core::kPi);
@@ -129,4 +123,38 @@ std::optional<Pose2> GraphSlam::findMotion(const lidar::Scan& scan) const {
   return core::inverse(before()->T_seen_robot) * motion.T_previous_current;
 }
 
-}  // namespace slam::graph
+double Motion::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T_previous_robot) const {
+  if (before() == nullptr) return 0;
+  const keyframes::View seen =
+      keyframes::view(before()->scan, before()->T_seen_robot * T_previous_robot, points);
+  const double shared =
+      std::max<double>(seen.agreed + seen.passed, kShared * static_cast<double>(points.size()));
+  return shared > 0 ? 1 - seen.agreed / shared : 0;
+}
+
+void Motion::learn(const Pose2& T_corrected, const Pose2& T_matched, double way_told, double turn_told,
+                   bool is_believed) {
+  way_sign_.learn(T_corrected, T_matched, way_told);
+  if (is_believed)
+    wheels_.learn(T_corrected, T_matched, way_told, turn_told);
+  else
+    wheels_.endPiece();
+}
+
+void Motion::restart() {
+  T_previous_robot_ = {};
+  steady_ = {};
+  wheels_.endPiece();
+}
+
+void Motion::noteWheels() const {
+  const double factor = wheels_.scale().factor();
+  if (factor == 1) return;
+  char turns[100];
+  std::snprintf(turns, sizeof turns,
+                "turns by %.2f deg more per metre and by %.1f %% more than odometry says",
+                core::radToDeg(wheels_.heading().perMetre()), 100 * wheels_.heading().perRadian());
+  map_->note(core::JournalEvent::kCalibrated, factor, -1, turns);
+}
+
+}  // namespace slam::tracking

@@ -1,0 +1,54 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "libslam/core/pose2.h"
+#include "libslam/keyframes/keyframe_map.h"
+#include "libslam/tracking/tracker.h"
+
+namespace slam::tracking {
+
+/// How sure the robot's pose is, from scan to scan; map frame, x, y (m), phi (rad). A scan errs against the
+/// map by its points' noise, as their residuals tell it. The map does not lie better than the keyframes that
+/// saw its surfaces first: errors grow from one view to the next that shares no surface with it, not from
+/// keyframe to keyframe. Where a match leaves a direction open, odometry adds to the error before. For the
+/// rooms of graph SLAM only.
+class PoseUncertainty {
+ public:
+  /// `map` has to stay where it is.
+  explicit PoseUncertainty(keyframes::KeyframeMap& map) : map_(&map) {}
+
+  /// What a scan tells of its pose, and what all scans so far say of the points' noise.
+  void noteEvidence(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
+                    const scanmatch::SurfelMap& map);
+  /// Carries all on to the scan at hand, of which the evidence is. The first keyframe lies where it lies;
+  /// what it saw does not.
+  void carryOn(const Expected& expected, const scanmatch::MatchResult& result);
+  /// What the pose errs by beyond that of the keyframe that it hangs on. Both were matched to a map, each
+  /// with its own noise; but the first keyframe's pose is given, and what is matched to it errs by both
+  /// views' noise.
+  Eigen::Matrix3d sinceKeyframe(int keyframe) const;
+
+  /// The robot is where it is told to be.
+  void restart() { covariance_.setZero(), from_keyframe_.setZero(); }
+  /// The robot's pose became a keyframe's, or another keyframe tells it now.
+  void beginKeyframe() { from_keyframe_.setZero(); }
+  void hangOnKeyframe() { from_keyframe_ = noise_; }
+  void setCovariance(const Eigen::Matrix3d& covariance) { covariance_ = covariance; }
+  /// What the scan at hand saw is of a place where the robot is not.
+  void forgetViews() { evidence_.by_view.clear(); }
+
+  const scanmatch::MatchEvidence& evidence() const { return evidence_; }
+  const Eigen::Matrix3d& covariance() const { return covariance_; }  ///< in the map
+  const Eigen::Matrix3d& noise() const { return noise_; }            ///< of one scan: its match
+  const Eigen::Matrix3d& least() const { return least_; }            ///< the same, and odometry
+
+ private:
+  keyframes::KeyframeMap* map_;
+  scanmatch::MatchEvidence evidence_;
+  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d from_keyframe_ = Eigen::Matrix3d::Zero();  ///< by odometry alone, since the keyframe
+  Eigen::Matrix3d noise_ = Eigen::Matrix3d::Zero(), least_ = Eigen::Matrix3d::Zero();
+};
+
+}  // namespace slam::tracking

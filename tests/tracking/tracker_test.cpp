@@ -1,0 +1,190 @@
+#include "libslam/tracking/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/keyframes/matching.h"
+#include "libslam/tracking/pose_uncertainty.h"
+#include "tests/keyframes/drawn_map.h"
+#include "tests/scanmatch/drawn_rooms.h"
+
+namespace slam::tracking {
+namespace {
+
+using core::Pose2;
+using keyframes::test_maps::addKeyframe;
+using scanmatch_test::rectangle;
+
+const Pose2 kHere{3, 2, 0.4};
+
+std::vector<scanmatch_test::Wall> oneWall() {
+  return {{{-100, 0}, {100, 0}}};
+}
+
+/// A room, seen by a few keyframes from around kHere; the tracker's map is of them.
+struct Room {
+  std::vector<scanmatch_test::Wall> walls;
+  scanmatch_test::Lidar lidar;
+  keyframes::KeyframeMap map{keyframes::GraphOptions()};
+  Tracker tracker{map};
+
+  explicit Room(std::vector<scanmatch_test::Wall> seen = withPillars()) : walls(std::move(seen)) {
+    for (int k = 0; k < 6; ++k)
+      addKeyframe(map, {kHere.x + 0.1 * k - 0.3, kHere.y, kHere.phi},
+                  look({kHere.x + 0.1 * k - 0.3, kHere.y, kHere.phi}, 0), 0.1 * k, k - 1);
+    tracker.around().fillAround(map.lastKeyframe(), core::position(kHere));
+  }
+  static std::vector<scanmatch_test::Wall> withPillars() {
+    auto walls = rectangle(0, 0, 8, 5);
+    for (const core::Point2 p : {core::Point2{6, 1}, {5.5, 3.8}, {7, 2.6}, {4.2, 4.4}}) {
+      const auto pillar = rectangle(p.x, p.y, p.x + 0.4, p.y + 0.3);
+      walls.insert(walls.end(), pillar.begin(), pillar.end());
+    }
+    return walls;
+  }
+  lidar::Scan look(const Pose2& T_world_robot, double time_s) const {
+    core::RandomStream chance(7, "tracker");
+    auto scan = scanmatch_test::look(walls, T_world_robot, lidar, chance);
+    scan.time_s = time_s;
+    return scan;
+  }
+  /// One scan at kHere was taken in; now comes one after a step that odometry has as it is told.
+  Tracker::Match after(const Pose2& T_step, const Pose2& T_odometry, bool has_odometry = true) {
+    const auto first = look(kHere, 0), second = look(kHere * T_step, 0.2);
+    tracker.motion().begin(first, {}, has_odometry);
+    tracker.motion().end(first);
+    has_odometry = tracker.motion().begin(second, T_odometry, has_odometry);
+    points = keyframes::pointsOf(second, map.options());
+    expected = tracker.expect(kHere, T_odometry, has_odometry);
+    return tracker.match(second, points, expected);
+  }
+  Tracker::Points points;
+  Expected expected{};
+};
+
+double metresOff(const Tracker::Match& match, const Pose2& T_step) {
+  return core::distance(match.result.T_map_robot, kHere * T_step);
+}
+double turnOff(const Tracker::Match& match, const Pose2& T_step) {
+  return std::abs(core::angleDifference(match.result.T_map_robot.phi, kHere.phi + T_step.phi));
+}
+
+TEST(Tracker, FindsWhereAScanLies) {
+  Room room;
+  const Pose2 T_step{0.15, 0, 0.1};
+  const auto match = room.after(T_step, {0.14, 0, 0.11});
+  EXPECT_LT(metresOff(match, T_step), 0.01);
+  EXPECT_LT(turnOff(match, T_step), 0.005);
+  EXPECT_GT(match.result.score, 0.9);
+  EXPECT_FALSE(match.is_odometry_dropped);
+}
+
+TEST(Tracker, FollowsTheScanWhereOdometryMissesATurn) {
+  Room room;
+  const Pose2 T_step{0.1, 0, 0.2};
+  const auto match = room.after(T_step, {0.1, 0, 0});
+  EXPECT_LT(metresOff(match, T_step), 0.02);
+  EXPECT_LT(turnOff(match, T_step), 0.01);
+}
+
+TEST(Tracker, FindsMetresThatAreCountedTheOtherWay) {
+  Room room;
+  const Pose2 T_step{-0.5, 0, 0};
+  const auto match = room.after(T_step, {0.5, 0, 0});
+  EXPECT_LT(metresOff(match, T_step), 0.02);
+}
+
+TEST(Tracker, WithoutOdometryEveryPlaceWithinReachIsAStart) {
+  Room room;
+  const Pose2 T_step{0.45, 0.1, 0.7};
+  const auto match = room.after(T_step, {}, false);
+  EXPECT_LT(metresOff(match, T_step), 0.02);
+  EXPECT_LT(turnOff(match, T_step), 0.01);
+}
+
+TEST(Tracker, AlongABareWallOdometryHoldsTheScan) {
+  Room room(oneWall());
+  const Pose2 T_step{0.2, 0, -0.02};
+  const auto match = room.after(T_step, T_step);
+  // A robot that looks along it at an angle: what it went along the wall nothing but odometry tells.
+  EXPECT_LT(metresOff(match, T_step), 0.01);
+  EXPECT_FALSE(match.is_odometry_dropped);
+}
+
+TEST(Tracker, WhereOdometryWasLetGoKeyframesDoNotVouchForThemselvesUntilScansAreExplained) {
+  Room room;
+  const Pose2 T_step{0.1, 0, 0.2};
+  const auto match = room.after(T_step, {0.1, 0, 0});
+  room.tracker.noteMatch(match.result.T_map_robot, room.points, room.expected, true);
+  ASSERT_TRUE(room.tracker.isFollowingWheels());
+  const int k = addKeyframe(room.map, match.result.T_map_robot, room.look(kHere * T_step, 0.2), 0.7,
+                            room.map.lastKeyframe());
+  room.map.keyframes().back().unsure = true;
+  // Odometry goes on where it believes to be; the scans are explained where the robot is.
+  for (int i = 1; i < room.map.options().loop_confirmations; ++i) {
+    ASSERT_TRUE(room.tracker.isFollowingWheels());
+    EXPECT_TRUE(room.map.keyframe(k).unsure);
+    const auto scan = room.look(kHere * T_step, 0.2 + 0.2 * i);
+    room.tracker.motion().begin(scan, {}, true);
+    const Expected expected = room.tracker.expect(match.result.T_map_robot, {}, true);
+    EXPECT_EQ(expected.by_wheels.phi, kHere.phi);
+    room.tracker.noteMatch(match.result.T_map_robot, room.points, expected, true);
+    room.tracker.motion().end(scan);
+  }
+  EXPECT_FALSE(room.tracker.isFollowingWheels());
+  EXPECT_FALSE(room.map.keyframe(k).unsure);
+}
+
+TEST(LocalMap, SaysWhatItKnowsOfAScan) {
+  Room room;
+  const LocalMap& around = room.tracker.around();
+  const auto points = keyframes::pointsOf(room.look(kHere, 0), room.map.options());
+  const Pose2 T_wrong{kHere.x, kHere.y, kHere.phi + 0.4};
+  EXPECT_GT(around.toldScore(points, kHere), 0.9);
+  EXPECT_LT(around.toldScore(points, T_wrong), 0.5);
+  EXPECT_GT(around.gain(points, kHere, T_wrong), 0.4);
+  EXPECT_NEAR(around.gain(points, kHere, T_wrong), -around.gain(points, T_wrong, kHere), 1e-12);
+  EXPECT_GT(around.knownShare(points, kHere), 0.95);
+  EXPECT_LT(around.knownShare(points, {kHere.x + 20, kHere.y, kHere.phi}), 0.05);
+}
+
+TEST(LocalMap, PointsBeyondWhatWasSeenAreNotHeldAgainstAPose) {
+  // The keyframes have seen the room through a lidar of 90 degrees; the scan looks all round.
+  Room room;
+  room.lidar.fov_rad = 1.5;
+  keyframes::KeyframeMap map{keyframes::GraphOptions()};
+  for (int k = 0; k < 3; ++k) addKeyframe(map, kHere, room.look(kHere, 0), 0.1 * k, k - 1);
+  LocalMap around(map);
+  around.fillAround(0, core::position(kHere));
+  room.lidar.fov_rad = 6;
+  const auto points = keyframes::pointsOf(room.look(kHere, 0), map.options());
+  EXPECT_LT(around.knownShare(points, kHere), 0.5);
+  EXPECT_GT(around.toldScore(points, kHere), 0.9);
+}
+
+TEST(PoseUncertainty, GrowsAlongAWallByOdometryAndStaysSmallAcrossIt) {
+  Room room(oneWall());
+  PoseUncertainty uncertainty(room.map);
+  const Pose2 T_step{0.2, 0, 0};
+  const auto match = room.after(T_step, T_step);
+  Pose2 T_before = kHere;
+  double before = 0;
+  for (int i = 0; i < 5; ++i) {
+    uncertainty.noteEvidence(room.points, match.result.T_map_robot, room.tracker.around().maps().fine);
+    Expected expected = room.expected;
+    expected.T_before = T_before;
+    uncertainty.carryOn(expected, match.result);
+    EXPECT_GT(uncertainty.covariance()(0, 0), before);  // the wall runs along x
+    before = uncertainty.covariance()(0, 0);
+  }
+  EXPECT_GT(before, 20 * uncertainty.covariance()(1, 1));
+  EXPECT_GT(uncertainty.sinceKeyframe(1)(0, 0), 0);
+  uncertainty.beginKeyframe();
+  EXPECT_EQ(uncertainty.sinceKeyframe(1)(0, 0), 0);
+  EXPECT_GT(uncertainty.sinceKeyframe(0)(1, 1), 0);  // the first keyframe's pose is given: both views err
+}
+
+}  // namespace
+}  // namespace slam::tracking
