@@ -87,7 +87,6 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
   records_.push_back({anchor_, T_keyframe_robot_, step.drift_covariance});
   map_->nextScan();
   motion().end(scan);
-  motion().noteTurn(has_odometry ? std::abs(T_previous_robot.phi) : 0);
   return step;
 }
 

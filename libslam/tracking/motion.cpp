@@ -33,7 +33,13 @@ constexpr double kShared = 0.6;
 
 bool Motion::begin(const lidar::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
   has_motion_ = false;
-  if (seen_.empty()) return has_odometry;
+  if (!seen_.empty()) has_odometry = goOn(scan, T_previous_robot, has_odometry);
+  turn_rad_ = has_odometry ? std::abs(T_previous_robot.phi) : 0;
+  return has_odometry;
+}
+
+/// From the scan before to this one.
+bool Motion::goOn(const lidar::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
   const auto same = std::find_if(seen_.begin(), seen_.end(),
                                  [&](const Seen& seen) { return lidar::areOfOneLidar(seen.scan, scan); });
   before_ = same == seen_.end() ? -1 : static_cast<int>(same - seen_.begin());
@@ -61,6 +67,7 @@ void Motion::end(const lidar::Scan& scan) {
     seen_.emplace_back();
   }
   seen_[static_cast<size_t>(before_)] = {scan, {}};
+  turned_before_rad_ = turn_rad_;
   previous_time_s_ = scan.time_s;
 }
 

@@ -44,8 +44,6 @@ class Motion {
   void setStep(const core::Pose2& T_previous_robot) { T_previous_robot_ = T_previous_robot; }
   /// After the scan was taken in.
   void end(const lidar::Scan& scan);
-  /// How far odometry has the robot turn in the step that ends.
-  void noteTurn(double turn_rad) { turned_before_rad_ = turn_rad; }
   /// The robot was put somewhere: nothing goes on.
   void restart();
 
@@ -89,6 +87,7 @@ class Motion {
   void noteWheels() const;
 
  private:
+  bool goOn(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
   std::optional<core::Pose2> find(const lidar::Scan& scan) const;
 
   keyframes::KeyframeMap* map_;
@@ -99,8 +98,8 @@ class Motion {
   wheels::Silence silence_;
   wheels::WaySign way_sign_;
   wheels::SteadyMotion steady_;
-  double turned_before_rad_ = 0;     ///< by odometry, before the scan at hand
-  std::vector<Seen> seen_;           ///< one per lidar
+  double turn_rad_ = 0, turned_before_rad_ = 0;  ///< by odometry, to the scan at hand and to the one before
+  std::vector<Seen> seen_;                       ///< one per lidar
   int before_ = -1;                  ///< of these, the one of the scan at hand; -1: its lidar is new
   mutable bool has_motion_ = false;  ///< of the scan at hand: find() was asked
   mutable std::optional<core::Pose2> motion_;  ///< and gave this

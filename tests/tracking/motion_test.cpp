@@ -34,7 +34,6 @@ void drive(Motion& motion, double time_s, const Pose2& T_step) {
   motion.begin(scan, T_step, true);
   motion.setStep(T_step);
   motion.end(scan);
-  motion.noteTurn(std::abs(T_step.phi));
 }
 void driveOn(Motion& motion, int steps, double period_s, const Pose2& T_step, double& time_s) {
   for (int i = 0; i < steps; ++i, time_s += period_s) drive(motion, time_s, T_step);
