@@ -39,8 +39,9 @@ Pose2 GraphSlam::currentPose() const {
   return map_->pose(anchor_) * T_keyframe_robot_;
 }
 
-GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previous_robot,
+GraphSlam::Step GraphSlam::process(const lidar::Scan& given, const Pose2& T_previous_robot,
                                    bool has_odometry) {
+  lidar::Scan scan = given;
   if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
   has_odometry = motion().begin(scan, T_previous_robot, has_odometry);
   // What a doubt holds of the map would not move with it.

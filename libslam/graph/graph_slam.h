@@ -48,6 +48,9 @@ namespace slam::graph {
 /// rules it out or another place is nearly as good. All poses are then found anew, a piece with every scan,
 /// too; until they are, the robot is tracked in the map as it was.
 ///
+/// A scan that was deskewed is skewed by what odometry errs by: pose and step are found together, and the
+/// scan is set right (tracking::Tracker::unskew()).
+///
 /// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry,
 /// or it is contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one
 /// of the starts, too; without odometry every place that the robot may have come to is, with its heading.
@@ -159,7 +162,7 @@ class GraphSlam {
   void hangOn(int keyframe, const core::Pose2& T_map_robot);
 
   // track.cpp: a scan and the map around
-  Step track(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry, Points& points,
+  Step track(lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry, Points& points,
              Eigen::Matrix3d& information);
   void learnWheels(const tracking::Expected& expected, const core::Pose2& T_previous_matched,
                    const Eigen::Matrix3d& information, const Eigen::Matrix3d& posterior_information,

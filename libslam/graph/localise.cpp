@@ -24,10 +24,11 @@ void GraphSlam::startAnywhere() {
   beLost(0);
 }
 
-GraphSlam::Step GraphSlam::localise(const lidar::Scan& scan, const Pose2& T_previous_robot,
+GraphSlam::Step GraphSlam::localise(const lidar::Scan& given, const Pose2& T_previous_robot,
                                     bool has_odometry) {
   if (map_->keyframes().empty()) throw core::ContractError("GraphSlam: localise() without a map");
   completeClosing();
+  lidar::Scan scan = given;
   std::vector<PatchPoint> points;
   Eigen::Matrix3d information;
   has_odometry = motion().begin(scan, T_previous_robot, has_odometry);

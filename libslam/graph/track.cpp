@@ -1,5 +1,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "libslam/graph/graph_slam.h"
 #include "libslam/keyframes/matching.h"
@@ -29,12 +31,18 @@ void GraphSlam::setMapHere() {
   around().fillAround(anchor_, core::position(currentPose()));
 }
 
-/// Matches a scan to the map around. Fills in its points and the information that they give, map axes.
-GraphSlam::Step GraphSlam::track(const lidar::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
+/// Matches a scan to the map around, and deskews what its sweep still holds. Fills in its points and the
+/// information that they give, map axes.
+GraphSlam::Step GraphSlam::track(lidar::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
                                  std::vector<PatchPoint>& points, Eigen::Matrix3d& information) {
   points = keyframes::pointsOf(scan, options_);
   const tracking::Expected e = tracker_.expect(currentPose(), T_previous_robot, has_odometry);
-  const auto [result, is_odometry_dropped] = tracker_.match(scan, points, e);
+  auto [result, is_odometry_dropped] = tracker_.match(scan, points, e);
+  auto unskewed = tracker_.unskew(scan, points, e, result);
+  if (unskewed) {
+    result.T_map_robot = unskewed->match.T_map_robot, result.score = unskewed->match.score;
+    points = std::move(unskewed->points), scan = std::move(unskewed->scan);
+  }
   const Pose2& T = result.T_map_robot;
   const bool is_poor = around().isPoor(result, points);
   if (is_poor) map_->note(core::JournalEvent::kPoor, result.score);
@@ -52,12 +60,13 @@ GraphSlam::Step GraphSlam::track(const lidar::Scan& scan, const Pose2& T_previou
   step.T_map_robot = T;
   step.score = result.score;
   uncertainty_.noteEvidence(points, T, around().maps().fine);
-  information = keyframes::toldInformation(uncertainty_.evidence());
   if (has_odometry && !is_poor && doubt_.begins < 0 && held_back_ == 0)
-    learnWheels(e, matched, information, result.posterior_information, !is_odometry_dropped);
+    learnWheels(e, matched, keyframes::toldInformation(uncertainty_.evidence()), result.posterior_information,
+                !is_odometry_dropped);
   else
     motion().learnNothing();
-  uncertainty_.carryOn(e, result);
+  uncertainty_.carryOn(e, result, unskewed ? std::optional(unskewed->noise) : std::nullopt);
+  information = uncertainty_.toldInformation();
   step.drift_covariance = uncertainty_.sinceKeyframe(anchor_);
   step.pose_covariance = uncertainty_.covariance();
   return step;

@@ -38,12 +38,9 @@ std::vector<Moved> movedReadings(const Scan& scan, const core::Pose2& T_previous
   const core::Pose2 T_robot_previous = core::inverse(T_previous_robot);
   const core::Pose2 T_lidar_robot = core::inverse(scan.T_robot_lidar);
   const size_t last = scan.ranges_m.size() - 1;
-  const double after_stamp_s = sweep.duration_s * (1 - sweep.stamped_share);
   std::vector<Moved> moved;
   for (size_t i = 0; i <= last; ++i) {
-    const size_t beams_after = sweep.clockwise ? i : last - i;
-    const double ago_s =
-        sweep.duration_s * static_cast<double>(beams_after) / static_cast<double>(last) - after_stamp_s;
+    const double ago_s = measuredAgo_s(scan, sweep, static_cast<double>(i));
     const core::Pose2 T_robot_then = core::interpolate({}, T_robot_previous, ago_s / period_s);
     const float range_m = scan.ranges_m[i];
     if (!isReturn(range_m)) {
@@ -66,9 +63,18 @@ Sweep sweepOf(const LidarOptions& options) {
   return {secondsBeforeLastBeam(options, first_measured), options.sweep_clockwise};
 }
 
+double measuredAgo_s(const Scan& scan, const Sweep& sweep, double beam) {
+  const auto last = static_cast<double>(scan.ranges_m.size() - 1);
+  const double after_stamp_s = sweep.duration_s * (1 - sweep.stamped_share);
+  return sweep.duration_s * (sweep.clockwise ? beam : last - beam) / last - after_stamp_s;
+}
+
 Scan deskewed(const Scan& scan, const core::Pose2& T_previous_robot, double period_s, const Sweep& sweep) {
   const bool is_still = T_previous_robot.x == 0 && T_previous_robot.y == 0 && T_previous_robot.phi == 0;
-  if (sweep.duration_s <= 0 || is_still || scan.ranges_m.size() < 2) return scan;
+  if (sweep.duration_s <= 0 || scan.ranges_m.size() < 2) return scan;
+  Scan result = scan;
+  result.deskewing = {sweep, T_previous_robot, period_s};
+  if (is_still) return result;
   auto moved = movedReadings(scan, T_previous_robot, period_s, sweep);
   if (scan.isFullCircle()) {
     const auto once = moved;
@@ -77,7 +83,6 @@ Scan deskewed(const Scan& scan, const core::Pose2& T_previous_robot, double peri
   }
   std::stable_sort(moved.begin(), moved.end(),
                    [](const Moved& a, const Moved& b) { return a.angle_rad < b.angle_rad; });
-  Scan result = scan;
   size_t next = 0;
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const double angle_rad = scan.angle(i);

@@ -6,16 +6,12 @@ namespace slam::lidar {
 
 struct LidarOptions;
 
-/// How a spinning lidar measures its beams one after the other.
-struct Sweep {
-  double duration_s = 0;   ///< from the first to the last beam of the scan
-  bool clockwise = false;  ///< the last beam of the scan is measured first
-  double stamped_share =
-      1;  ///< of the sweep that is over at the scan's stamp: 1 its end (as here), 0 its start (as ROS)
-};
-
 /// The sweep of a simulated lidar as its data sheet would say it; its latency is nobody's to know.
 Sweep sweepOf(const LidarOptions& options);
+
+/// How long before the scan's stamp a beam was measured, s; below 0 after it. `beam`: an index, or between
+/// two. REQUIRES 2 beams.
+double measuredAgo_s(const Scan& scan, const Sweep& sweep, double beam);
 
 /// Deskews: the scan as if taken all at once at its stamp, by a robot that moved as T_previous_robot says in
 /// the `period_s` before, at constant speed (also for what is measured after the stamp). Every reading
@@ -25,7 +21,7 @@ Sweep sweepOf(const LidarOptions& options);
 /// Beams that no reading covers any more (at an end of the view, where the robot turned) are lost readings;
 /// MRPT's stock grid, unlike the exact one, clears along those. Readings without a return only turn. The same
 /// scan where the sweep or the motion is null. REQUIRES finite motion, period_s > 0. Cost: a sort of the
-/// beams.
+/// beams. The scan keeps by what (Scan::deskewing): what the motion errs by is still in it.
 Scan deskewed(const Scan& scan, const core::Pose2& T_previous_robot, double period_s, const Sweep& sweep);
 
 }  // namespace slam::lidar

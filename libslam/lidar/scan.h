@@ -17,6 +17,21 @@ inline bool isReturn(float range_m) {
   return std::isfinite(range_m) && range_m > 0;
 }
 
+/// How a spinning lidar measures its beams one after the other.
+struct Sweep {
+  double duration_s = 0;   ///< from the first to the last beam of the scan
+  bool clockwise = false;  ///< the last beam of the scan is measured first
+  double stamped_share =
+      1;  ///< of the sweep that is over at the scan's stamp: 1 its end (as here), 0 its start (as ROS)
+};
+
+/// By what a scan was deskewed.
+struct Deskewing {
+  Sweep sweep;  ///< duration 0: it was not
+  core::Pose2 T_previous_robot;
+  double period_s = 0;  ///< in which the robot moved so
+};
+
 /// One sweep of a 2D lidar. Beam i points to first_angle_rad + i * step_rad in the lidar frame (0 is straight
 /// ahead, counter-clockwise positive), so n beams span (n - 1) * step_rad.
 struct Scan {
@@ -26,8 +41,9 @@ struct Scan {
   double min_range_m = 0;
   double max_range_m =
       0;  ///< always finite and positive, also for a lidar without a limit (then the world's size)
-  double range_sigma_m = 0;     ///< standard deviation of one range, as the sensor states it
-  core::Pose2 T_robot_lidar;    ///< mounting pose
+  double range_sigma_m = 0;   ///< standard deviation of one range, as the sensor states it
+  core::Pose2 T_robot_lidar;  ///< mounting pose
+  Deskewing deskewing;
   std::vector<float> ranges_m;  ///< distance, kNoReturn or kLostReading
 
   double angle(size_t beam) const { return first_angle_rad + static_cast<double>(beam) * step_rad; }

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "libslam/core/pose2.h"
@@ -22,8 +23,10 @@ class PoseUncertainty {
   void noteEvidence(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
                     const scanmatch::SurfelMap& map);
   /// Carries all on to the scan at hand, of which the evidence is. The first keyframe lies where it lies;
-  /// what it saw does not.
-  void carryOn(const Expected& expected, const scanmatch::MatchResult& result);
+  /// what it saw does not. `noise`: what the pose errs by against the map as it is, where the match alone
+  /// does not tell (Tracker::Unskewed).
+  void carryOn(const Expected& expected, const scanmatch::MatchResult& result,
+               const std::optional<Eigen::Matrix3d>& noise = std::nullopt);
   /// What the pose errs by beyond that of the keyframe that it hangs on. Both were matched to a map, each
   /// with its own noise; but the first keyframe's pose is given, and what is matched to it errs by both
   /// views' noise.
@@ -41,7 +44,9 @@ class PoseUncertainty {
   const scanmatch::MatchEvidence& evidence() const { return evidence_; }
   const Eigen::Matrix3d& covariance() const { return covariance_; }  ///< in the map
   const Eigen::Matrix3d& noise() const { return noise_; }            ///< of one scan: its match
-  const Eigen::Matrix3d& least() const { return least_; }            ///< the same, and odometry
+  /// What the scan at hand tells of its pose, over x, y (m) and phi (rad), map axes.
+  Eigen::Matrix3d toldInformation() const;
+  const Eigen::Matrix3d& least() const { return least_; }  ///< the same, and odometry
 
  private:
   keyframes::KeyframeMap* map_;
@@ -49,6 +54,7 @@ class PoseUncertainty {
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d from_keyframe_ = Eigen::Matrix3d::Zero();  ///< by odometry alone, since the keyframe
   Eigen::Matrix3d noise_ = Eigen::Matrix3d::Zero(), least_ = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d beyond_ = Eigen::Matrix3d::Zero();  ///< of noise_: what the match alone does not tell
 };
 
 }  // namespace slam::tracking

@@ -115,6 +115,24 @@ TEST(Deskew, AStandingRobotAndNoSweepLeaveTheScan) {
   EXPECT_EQ(deskewed(scan, {0.2, 0, 0.1}, kPeriod_s, {}).ranges_m, scan.ranges_m);
 }
 
+TEST(Deskew, TheScanKeepsByWhatItWasDeskewed) {
+  const Sweep sweep{0.15, true, 0.5};
+  const auto scan = sweptScan({}, {0.1, 0, 0}, sweep, 91, core::kPi);
+  EXPECT_EQ(scan.deskewing.sweep.duration_s, 0);
+  for (const core::Pose2& motion : {core::Pose2{0.1, 0, 0}, core::Pose2{}}) {
+    const auto result = deskewed(scan, motion, kPeriod_s, sweep);
+    EXPECT_EQ(result.deskewing.sweep.duration_s, sweep.duration_s);
+    EXPECT_EQ(result.deskewing.sweep.clockwise, sweep.clockwise);
+    EXPECT_EQ(result.deskewing.sweep.stamped_share, sweep.stamped_share);
+    EXPECT_EQ(result.deskewing.T_previous_robot.x, motion.x);
+    EXPECT_EQ(result.deskewing.period_s, kPeriod_s);
+  }
+  // Clockwise the last beam is the first; half of the sweep is over at the stamp.
+  EXPECT_NEAR(measuredAgo_s(scan, sweep, 90), 0.075, 1e-12);
+  EXPECT_NEAR(measuredAgo_s(scan, sweep, 0), -0.075, 1e-12);
+  EXPECT_NEAR(measuredAgo_s(scan, {0.15, false, 1}, 22.5), 0.1125, 1e-12);
+}
+
 TEST(Deskew, AStampAtTheBeginningIsSetRightToThen) {
   const core::Pose2 T_room_robot{0.5, -0.4, 0.3}, motion{0.15, 0.01, -0.15};
   const Sweep to_the_end{0.15, false};

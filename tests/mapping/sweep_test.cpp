@@ -63,6 +63,16 @@ TEST(Sweep, ScansAreDeskewedBeforeTheyAreMatched) {
   EXPECT_LT(deskewed, 0.005);
 }
 
+TEST(Sweep, WhatOdometryErrsInALongOneIsFoundWithThePose) {
+  auto drive = sweptDrive();
+  // Wheels that turn too far and not far enough by turns: no scale sets that right.
+  constexpr double kOff_rad = 0.04;
+  for (size_t i = 1; i < drive.entries.size(); ++i)
+    drive.entries[i].T_previous_robot.phi += i % 2 == 0 ? kOff_rad : -kOff_rad;
+  // A scan that is deskewed by them is turned by half of that on the mean.
+  EXPECT_LT(worstHeading({0.2}, drive), 0.25 * kOff_rad);
+}
+
 TEST(Sweep, WhatTheLogStatesIsEnough) {
   const auto drive = sweptDrive();
   Told told;

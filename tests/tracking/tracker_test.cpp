@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libslam/keyframes/matching.h"
+#include "libslam/lidar/deskew.h"
 #include "libslam/tracking/pose_uncertainty.h"
 #include "tests/keyframes/drawn_map.h"
 #include "tests/scanmatch/drawn_rooms.h"
@@ -89,6 +90,28 @@ TEST(Tracker, FollowsTheScanWhereOdometryMissesATurn) {
   EXPECT_LT(turnOff(match, T_step), 0.01);
 }
 
+TEST(Tracker, TurnsAsFarAsWheelsHaveMissedTurnsBefore) {
+  Room room;
+  Motion& motion = room.tracker.motion();
+  for (int i = 0; i < 200; ++i) {  // worse and worse: nothing is learnt of a single one that is far off
+    const double off_rad = 0.02 + 0.002 * i;
+    motion.learn({0.1, 0, 0.6}, {0.1, 0, 0.6 + (i % 2 == 0 ? off_rad : -off_rad)}, 1, 1, true);
+  }
+  ASSERT_GT(motion.sigmaOfWheels_rad({0.1, 0, 0.3}), 0.18);
+  // The scan before is another lidar's: only the map tells.
+  auto first = room.look(kHere, 0);
+  first.T_robot_lidar = {0, 0, core::kPi};
+  const Pose2 T_step{0.1, 0, 1.0}, T_odometry{0.1, 0, 0.3};
+  const auto second = room.look(kHere * T_step, 0.2);
+  motion.begin(first, {}, true);
+  motion.end(first);
+  motion.begin(second, T_odometry, true);
+  const auto points = keyframes::pointsOf(second, room.map.options());
+  const auto match = room.tracker.match(second, points, room.tracker.expect(kHere, T_odometry, true));
+  EXPECT_LT(turnOff(match, T_step), 0.01);
+  EXPECT_LT(metresOff(match, T_step), 0.02);
+}
+
 TEST(Tracker, FindsMetresThatAreCountedTheOtherWay) {
   Room room;
   const Pose2 T_step{-0.5, 0, 0};
@@ -135,6 +158,57 @@ TEST(Tracker, WhereOdometryWasLetGoKeyframesDoNotVouchForThemselvesUntilScansAre
   }
   EXPECT_FALSE(room.tracker.isFollowingWheels());
   EXPECT_FALSE(room.map.keyframe(k).unsure);
+}
+
+/// What a lidar that takes the whole period sees while the robot drives T_step to kHere * T_step, deskewed as
+/// odometry has the step.
+lidar::Scan sweptScan(const Room& room, const Pose2& T_step, const Pose2& T_odometry) {
+  const lidar::Sweep sweep{0.2};
+  auto scan = room.look(kHere * T_step, 0.2);
+  const auto last = static_cast<double>(scan.ranges_m.size() - 1);
+  for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const Pose2 T_then =
+        kHere * T_step * core::interpolate({}, core::inverse(T_step), 1 - static_cast<double>(i) / last);
+    scan.ranges_m[i] = static_cast<float>(
+        scanmatch_test::rayToWalls(room.walls, core::position(T_then), T_then.phi + scan.angle(i)));
+  }
+  return lidar::deskewed(scan, T_odometry, 0.2, sweep);
+}
+
+TEST(Tracker, SetsRightWhatOdometryErrsByInASweep) {
+  Room room;
+  const Pose2 T_step{0.15, 0, 0.15}, T_odometry{0.15, 0, 0.1};
+  const auto first = room.look(kHere, 0);
+  room.tracker.motion().begin(first, {}, true);
+  room.tracker.motion().end(first);
+  const auto scan = sweptScan(room, T_step, T_odometry);
+  room.tracker.motion().begin(scan, T_odometry, true);
+  const auto points = keyframes::pointsOf(scan, room.map.options());
+  const Expected expected = room.tracker.expect(kHere, T_odometry, true);
+  const auto match = room.tracker.match(scan, points, expected);
+  const auto unskewed = room.tracker.unskew(scan, points, expected, match.result);
+  ASSERT_TRUE(unskewed.has_value());
+  const double before = turnOff(match, T_step),
+               after =
+                   std::abs(core::angleDifference(unskewed->match.T_map_robot.phi, kHere.phi + T_step.phi));
+  EXPECT_GT(before, 0.015);
+  EXPECT_LT(after, 0.3 * before);
+  EXPECT_NEAR(unskewed->match.more.z(), 0.05, 0.015);
+  EXPECT_GT(std::sqrt(unskewed->noise(2, 2)), 0.3 * after);
+  // The scan that is kept looks as if it had been taken at once.
+  const auto straight = room.look(kHere * T_step, 0.2);
+  const auto meanOff = [&](const lidar::Scan& one) {
+    double sum_m = 0;
+    int count = 0;
+    for (size_t i = 0; i < one.ranges_m.size(); ++i)
+      if (lidar::isReturn(one.ranges_m[i]) && std::abs(one.ranges_m[i] - straight.ranges_m[i]) < 0.3)
+        sum_m += std::abs(one.ranges_m[i] - straight.ranges_m[i]), ++count;
+    return sum_m / count;
+  };
+  EXPECT_LT(meanOff(unskewed->scan), 0.7 * meanOff(scan));
+  auto at_once = scan;
+  at_once.deskewing = {};
+  EXPECT_FALSE(room.tracker.unskew(at_once, points, expected, match.result).has_value());
 }
 
 TEST(LocalMap, SaysWhatItKnowsOfAScan) {
@@ -184,6 +258,27 @@ TEST(PoseUncertainty, GrowsAlongAWallByOdometryAndStaysSmallAcrossIt) {
   uncertainty.beginKeyframe();
   EXPECT_EQ(uncertainty.sinceKeyframe(1)(0, 0), 0);
   EXPECT_GT(uncertainty.sinceKeyframe(0)(1, 1), 0);  // the first keyframe's pose is given: both views err
+}
+
+TEST(PoseUncertainty, WhatTheMatchDoesNotTellIsAdded) {
+  Room room;
+  const auto match = room.after({0.1, 0, 0}, {0.1, 0, 0});
+  PoseUncertainty plain(room.map), swept(room.map);
+  for (auto* one : {&plain, &swept})
+    one->noteEvidence(room.points, match.result.T_map_robot, room.tracker.around().maps().fine);
+  plain.carryOn(room.expected, match.result);
+  const Eigen::Matrix3d told = swept.toldInformation();
+  const Eigen::Matrix3d noise = Eigen::Vector3d(4e-4, 0, 1e-4).asDiagonal();
+  swept.carryOn(room.expected, match.result, noise);
+  EXPECT_NEAR(swept.noise()(0, 0), 4e-4, 4e-5);
+  EXPECT_NEAR(swept.covariance()(0, 0) - plain.covariance()(0, 0), swept.noise()(0, 0) - plain.noise()(0, 0),
+              1e-9);
+  EXPECT_NEAR(swept.noise()(1, 1), plain.noise()(1, 1),
+              0.1 * plain.noise()(1, 1));  // no less than the match's
+  EXPECT_LT(swept.toldInformation()(2, 2), 0.5 * told(2, 2));
+  // The next scan was taken at once.
+  swept.carryOn(room.expected, match.result);
+  EXPECT_NEAR(swept.noise()(0, 0), plain.noise()(0, 0), 1e-9);
 }
 
 }  // namespace
