@@ -1,9 +1,11 @@
 #include "libslam/builders/particle_map_builder.h"
 
+#include <mrpt/core/Clock.h>
 #include <mrpt/math/TPose2D.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <mrpt/poses/CPosePDF.h>
 
@@ -132,27 +134,37 @@ mrpt::poses::CPose3DPDF::Ptr ParticleMapBuilder::getCurrentPoseEstimation() cons
   return pose;
 }
 
-void ParticleMapBuilder::processActionObservation(mrpt::obs::CActionCollection& action,
-                                                  mrpt::obs::CSensoryFrame& observations) {
-  if (const auto movement = action.getBestMovementEstimation()) {
-    particles::Motion motion = fromMrpt(*movement->poseChange);
-    motion.covariance.diagonal() += Eigen::Vector3d(
-        kLeastSigma_m * kLeastSigma_m, kLeastSigma_m * kLeastSigma_m, kLeastSigma_rad * kLeastSigma_rad);
-    motion_ = motion_ ? *motion_ * motion : motion;
-  }
-  const auto scans = scansOf(observations);
-  if (scans.empty()) return;
-  const lidar::Scan scan = lidar::fromMrpt(*scans.front());
-  std::vector<lidar::Scan> others;
-  for (size_t i = 1; i < scans.size(); ++i) others.push_back(lidar::fromMrpt(*scans[i]));
+void ParticleMapBuilder::addMotion(const mrpt::poses::CPosePDF& change) {
+  particles::Motion motion = fromMrpt(change);
+  motion.covariance.diagonal() += Eigen::Vector3d(
+      kLeastSigma_m * kLeastSigma_m, kLeastSigma_m * kLeastSigma_m, kLeastSigma_rad * kLeastSigma_rad);
+  motion_ = motion_ ? *motion_ * motion : motion;
+}
+
+void ParticleMapBuilder::takeIn(const lidar::Scan& scan, const std::vector<lidar::Scan>& others) {
   filter_->setMapping(options.enableMapUpdating);
   const particles::ParticleStep& step = filter_->update(scan, motion_, others);
   motion_.reset();
   if (!step.inserted) return;
   up_to_date_ = false;
-  auto frame = mrpt::obs::CSensoryFrame::Create();
-  for (const auto& observation : scans) frame->insert(observation);
-  key_frames_.push_back({filter_->scans() - 1, frame, filter_->rays().max_range_m});
+  key_frames_.push_back({filter_->scans() - 1, {filter_->lastScan()}, filter_->rays().max_range_m});
+  key_frames_.back().seen.insert(key_frames_.back().seen.end(), others.begin(), others.end());
+}
+
+void ParticleMapBuilder::processScans(const lidar::Scan& scan, const std::vector<lidar::Scan>& others,
+                                      const mrpt::poses::CPosePDF& motion) {
+  addMotion(motion);
+  takeIn(scan, others);
+}
+
+void ParticleMapBuilder::processActionObservation(mrpt::obs::CActionCollection& action,
+                                                  mrpt::obs::CSensoryFrame& observations) {
+  if (const auto movement = action.getBestMovementEstimation()) addMotion(*movement->poseChange);
+  const auto scans = scansOf(observations);
+  if (scans.empty()) return;
+  std::vector<lidar::Scan> others;
+  for (size_t i = 1; i < scans.size(); ++i) others.push_back(lidar::fromMrpt(*scans[i]));
+  takeIn(lidar::fromMrpt(*scans.front()), others);
 }
 
 void ParticleMapBuilder::finish() {
@@ -166,7 +178,15 @@ void ParticleMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) c
   for (const KeyFrame& key_frame : key_frames_) {
     mrpt::poses::CPose3DPDFGaussian pose;
     pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(lidar::toMrpt(path[key_frame.scan].pose)));
-    compat::insertFrame(out_map, pose, *key_frame.frame);
+    mrpt::obs::CSensoryFrame frame;
+    for (const auto& scan : key_frame.seen) {
+      const auto observation = lidar::toMrpt(scan);
+      observation->timestamp = mrpt::Clock::fromDouble(scan.time_s);
+      // Told apart by their labels.
+      if (!frame.empty()) observation->sensorLabel += " " + std::to_string(frame.size() + 1);
+      frame.insert(observation);
+    }
+    compat::insertFrame(out_map, pose, frame);
   }
 }
 
@@ -187,8 +207,7 @@ void ParticleMapBuilder::drawMap() const {
     drawn_poses_.push_back(path[key_frame.scan].pose);
     gridmap::RayOptions rays = filter_->rays();
     rays.max_range_m = key_frame.max_range_m;
-    for (const auto& scan : scansOf(*key_frame.frame))
-      drawn_.insert(gridmap::scanRays(lidar::fromMrpt(*scan), rays), drawn_poses_.back());
+    for (const auto& scan : key_frame.seen) drawn_.insert(gridmap::scanRays(scan, rays), drawn_poses_.back());
   }
   publish(drawn_.toRaster(), *published_);
   up_to_date_ = true;

@@ -2,7 +2,6 @@
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CSimpleMap.h>
-#include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/slam/CMetricMapBuilder.h>
 
 #include <memory>
@@ -41,6 +40,10 @@ class ParticleMapBuilder : public mrpt::slam::CMetricMapBuilder {
   /// Writes a picture of the grid; the format follows the suffix.
   void saveCurrentEstimationToImage(RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS) override;
 
+  /// The same without MRPT's scans: what lidars saw at one moment, the first of which leads, and the motion
+  /// since the scan before.
+  void processScans(const lidar::Scan& scan, const std::vector<lidar::Scan>& others,
+                    const mrpt::poses::CPosePDF& motion);
   /// So many threads, or as many as the filter's options have; stays when it is initialized anew.
   void useThreads(int threads);
   /// After the last scan: the loops that are left.
@@ -51,9 +54,11 @@ class ParticleMapBuilder : public mrpt::slam::CMetricMapBuilder {
  private:
   struct KeyFrame {
     std::uint64_t scan;  ///< index into the path
-    mrpt::obs::CSensoryFrame::Ptr frame;
+    std::vector<lidar::Scan> seen;
     double max_range_m;  ///< up to which it entered the particles' maps
   };
+  void addMotion(const mrpt::poses::CPosePDF& motion);
+  void takeIn(const lidar::Scan& scan, const std::vector<lidar::Scan>& others);
   void drawMap() const;
 
   particles::ParticleFilterOptions filter_options_;

@@ -59,29 +59,6 @@ std::shared_ptr<CActionRobotMovement2D> actionOf(
   return action;
 }
 
-void feed(mrpt::slam::CMetricMapBuilder& builder, const std::shared_ptr<CActionRobotMovement2D>& action,
-          const MethodStep& step) {
-  const auto stamp = mrpt::Clock::fromDouble(step.time_s);
-  action->timestamp = stamp;
-  mrpt::obs::CActionCollection actions;
-  actions.insert(*action);
-  mrpt::obs::CSensoryFrame frame;
-  const auto insert = [&](const lidar::Scan& seen) {
-    auto observation = lidar::toMrpt(seen);
-    observation->timestamp = stamp;
-    // MRPT's ICP counts the way since the last insertion lidar by lidar, by their labels.
-    if (!frame.empty()) observation->sensorLabel += " " + std::to_string(frame.size() + 1);
-    frame.insert(observation);
-  };
-  insert(step.scan);
-  for (const auto& other : step.others) insert(other);
-  try {
-    builder.processActionObservation(actions, frame);
-  } catch (const std::exception& error) {
-    throw core::MethodError("MRPT: " + firstLine(error.what()));
-  }
-}
-
 }  // namespace
 
 double GridExtent::cellsWith(const core::Point2& centre, double reach_m) const {
@@ -129,13 +106,35 @@ core::Pose2 MrptMethod::process(const MethodStep& step) {
   requireBoundedMap(T_map_robot_ * lidar::fromMrpt(action->poseChange->getMeanVal().asTPose()), reach_m);
 
   seedMrpt(seed_, step.number);
-  feed(*builder_, action, step);
+  feed(step, action);
 
   const auto pose = builder_->getCurrentPoseEstimation()->getMeanVal();
   const core::Pose2 T_map_robot{pose.x(), pose.y(), pose.yaw()};
   requireFinite(T_map_robot, "the pose");
   T_map_robot_ = T_map_robot;
   return T_map_robot;
+}
+
+void MrptMethod::feed(const MethodStep& step, const std::shared_ptr<CActionRobotMovement2D>& action) const {
+  const auto stamp = mrpt::Clock::fromDouble(step.time_s);
+  action->timestamp = stamp;
+  mrpt::obs::CActionCollection actions;
+  actions.insert(*action);
+  mrpt::obs::CSensoryFrame frame;
+  const auto insert = [&](const lidar::Scan& seen) {
+    auto observation = lidar::toMrpt(seen);
+    observation->timestamp = stamp;
+    // MRPT's ICP counts the way since the last insertion lidar by lidar, by their labels.
+    if (!frame.empty()) observation->sensorLabel += " " + std::to_string(frame.size() + 1);
+    frame.insert(observation);
+  };
+  insert(step.scan);
+  for (const auto& other : step.others) insert(other);
+  try {
+    builder_->processActionObservation(actions, frame);
+  } catch (const std::exception& error) {
+    throw core::MethodError("MRPT: " + firstLine(error.what()));
+  }
 }
 
 void MrptMethod::continueMap(const mrpt::maps::CSimpleMap& key_frames,

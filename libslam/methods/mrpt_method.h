@@ -26,6 +26,9 @@ class MrptMethod : public SlamMethod {
                    bool keep_map) override;
 
  protected:
+  /// Gives the builder a step's scans, and its motion. Errors: MethodError.
+  virtual void feed(const MethodStep& step,
+                    const std::shared_ptr<mrpt::obs::CActionRobotMovement2D>& action) const;
   /// Cells of all grids once they reach so far around the place, in the map frame.
   virtual double cellsWith(const core::Point2& centre, double reach_m) const;
   /// How far from the robot the scan can change a grid.

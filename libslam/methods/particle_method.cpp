@@ -28,6 +28,8 @@ class ParticleMethod : public MrptMethod {
   std::vector<core::Pose2> particlePoses() const override { return filter().poses(); }
 
  protected:
+  void feed(const MethodStep& step,
+            const std::shared_ptr<mrpt::obs::CActionRobotMovement2D>& action) const override;
   double cellsWith(const core::Point2& centre, double reach_m) const override;
 
  private:
@@ -36,6 +38,13 @@ class ParticleMethod : public MrptMethod {
   }
   const particles::ParticleFilter& filter() const { return builder().filter(); }
 };
+
+void ParticleMethod::feed(const MethodStep& step,
+                          const std::shared_ptr<mrpt::obs::CActionRobotMovement2D>& action) const {
+  lidar::Scan scan = step.scan;
+  scan.time_s = step.time_s;
+  builder().processScans(scan, step.others, *action->poseChange);
+}
 
 /// The loops that are left; the poses given online do not change.
 void ParticleMethod::finish(core::Progress& /*progress*/) {

@@ -20,6 +20,7 @@ void ParticleFilter::beginPast(bool closes_loops) {
   keyframes::GraphOptions options;
   options.loops = closes_loops;
   past_ = std::make_unique<loops::TrackedPath>(options);
+  sweeps_ = std::make_unique<Sweeps>(*past_);
 }
 
 /// The best particle may be another one than before: keyframes since the last loop go where its past has

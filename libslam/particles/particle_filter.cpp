@@ -139,7 +139,7 @@ void ParticleFilter::estimateCovariance() {
     spread += weight * off * off.transpose();
   }
   mean /= sum;
-  Eigen::Matrix3d own = local_covariance_;
+  Eigen::Matrix3d own = local_covariance_ + sweep_covariance_;
   if (const int anchor = past_->anchor(); anchor >= 0) {
     const Eigen::Matrix3d F = keyframes::moved(core::position(past_->pose(anchor)), core::position(T));
     own += F * past_->covariance(anchor) * F.transpose();
@@ -196,13 +196,23 @@ bool ParticleFilter::drawsOn() {
   return true;
 }
 
-const ParticleStep& ParticleFilter::update(const lidar::Scan& scan, const std::optional<Motion>& motion,
+const ParticleStep& ParticleFilter::update(const lidar::Scan& given, const std::optional<Motion>& motion,
                                            const std::vector<lidar::Scan>& others) {
   if (motion && !(core::isFinite(motion->T_previous_robot) && motion->covariance.allFinite()))
     throw core::ContractError("ParticleFilter::update: the motion is not finite");
   const bool is_first = scans_ == 0 && !map_is_known_;
   const core::Pose2 T_before = particles_[best_].T_raster_robot;
   step_ = {};
+  std::optional<Motion> by_wheels;
+  scan_ = given;
+  sweep_covariance_.setZero();
+  if (!is_first) {
+    by_wheels = believed(motion, given.time_s);
+    if (by_wheels && !lost_)
+      if (auto right = sweeps_->setRight(given, T_before, *by_wheels))
+        scan_ = std::move(right->scan), sweep_covariance_ = right->noise;
+  }
+  const lidar::Scan& scan = scan_;
   reachFarther(scan);
   for (const auto& other : others) reachFarther(other);
   if (!is_first) {
@@ -211,7 +221,6 @@ const ParticleStep& ParticleFilter::update(const lidar::Scan& scan, const std::o
       const auto more = scanmatch::surfacePoints(other, point_options_);
       points.insert(points.end(), more.begin(), more.end());
     }
-    const std::optional<Motion> by_wheels = believed(motion, scan.time_s);
     findPlace(points, by_wheels);
     learnWheels(by_wheels, T_before);
   } else {
@@ -247,7 +256,7 @@ const ParticleStep& ParticleFilter::update(const lidar::Scan& scan, const std::o
     keepKeyframe(scans, !is_first && !restarted);
   }
   estimateCovariance();
-  drifts_.push_back({past_->anchor(), local_covariance_});
+  drifts_.push_back({past_->anchor(), local_covariance_ + sweep_covariance_});
   step_.T_map_robot = mapFromRaster() * particles_[best_].T_raster_robot;
   ++scans_;
   return step_;

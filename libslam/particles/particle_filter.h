@@ -13,6 +13,7 @@
 #include "libslam/loops/tracked_path.h"
 #include "libslam/particles/motion.h"
 #include "libslam/particles/path_tree.h"
+#include "libslam/particles/sweeps.h"
 #include "libslam/scanmatch/field_matcher.h"
 #include "libslam/threads/thread_team.h"
 #include "libslam/wheels/leaps.h"
@@ -164,6 +165,8 @@ class ParticleFilter {
   /// Whether scans change the map; without, the filter only finds its place in it.
   void setMapping(bool mapping) { mapping_ = mapping; }
   std::uint64_t scans() const { return scans_; }
+  /// The last scan as it was taken in: one that was deskewed by a motion that errs is set right, see Sweeps.
+  const lidar::Scan& lastScan() const { return scan_; }
   /// How scans are drawn into the maps now.
   const gridmap::RayOptions& rays() const { return options_.rays; }
   int particles() const { return static_cast<int>(particles_.size()); }
@@ -261,7 +264,9 @@ class ParticleFilter {
   bool lost_ = false;
   /// Of the best particle against the map, since the last keyframe.
   Eigen::Matrix3d local_covariance_ = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d sweep_covariance_ = Eigen::Matrix3d::Zero();  ///< what it was set right by errs by
   ParticleStep step_;
+  lidar::Scan scan_;  ///< see lastScan()
   std::vector<core::JournalEntry> journal_;
   /// The path up to the last closed loop, each scan by the keyframe that it hangs on.
   struct PastScan {
@@ -269,6 +274,7 @@ class ParticleFilter {
     core::Pose2 T_keyframe_robot;
   };
   std::unique_ptr<loops::TrackedPath> past_;
+  std::unique_ptr<Sweeps> sweeps_;  ///< of past_
   std::vector<PastScan> past_scans_;
   /// Every scan's keyframe, -1: none yet, and what its pose errs by beyond that, raster frame.
   struct Drift {

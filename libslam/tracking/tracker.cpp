@@ -38,7 +38,7 @@ double heldAgainst(const Pose2& T, const Pose2& T_odometry, double sigma_xy_m, d
 }  // namespace
 
 Tracker::Tracker(keyframes::KeyframeMap& map)
-    : map_(&map), options_(&map.options()), motion_(map), around_(map) {}
+    : map_(&map), options_(&map.options()), motion_(map), around_(map), unskewer_(map) {}
 
 Expected Tracker::expect(const Pose2& T_map_before, const Pose2& T_previous_robot, bool has_odometry) const {
   Expected e;
@@ -144,6 +144,18 @@ bool Tracker::isToldByScans(const Pose2& T, const std::vector<PatchPoint>& point
   const double less_broken = motion_.brokenBy(points, e.step.T_previous_robot) -
                              motion_.brokenBy(points, core::between(e.T_before, T));
   return keyframes::kNatsPerScan * less_broken > unlikely(T, e);
+}
+
+std::optional<Unskewer::Unskewed> Tracker::unskew(const lidar::Scan& scan, const Points& points,
+                                                  const Expected& e, const MatchResult& matched) {
+  const lidar::Deskewing& by = scan.deskewing;
+  if (!(by.sweep.duration_s > 0) || !(by.period_s > 0) || points.empty() || around_.isPoor(matched, points)) {
+    unskewer_.forget();
+    return std::nullopt;
+  }
+  // Scans are deskewed by odometry also where the method is told none.
+  const Prediction told = e.has_odometry ? e.step : motion_.predict(by.T_previous_robot, true);
+  return unskewer_.unskew(scan, points, around_.maps(), e.T_before, told, matched);
 }
 
 void Tracker::noteMatch(const Pose2& T, const std::vector<PatchPoint>& points, const Expected& e,

@@ -6,9 +6,9 @@
 #include "libslam/core/pose2.h"
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/lidar/scan.h"
-#include "libslam/scanmatch/swept_match.h"
 #include "libslam/tracking/local_map.h"
 #include "libslam/tracking/motion.h"
+#include "libslam/tracking/unskewer.h"
 
 namespace slam::tracking {
 
@@ -47,19 +47,10 @@ class Tracker {
   };
   /// The best match of a scan to the map around.
   Match match(const lidar::Scan& scan, const Points& points, const Expected& expected);
-  /// What is left of a scan that was deskewed: odometry errs, so that it is skewed still, and matched askew.
-  struct Unskewed {
-    scanmatch::SweptMatch match;
-    Eigen::Matrix3d noise;  ///< covariance of its pose against the map as it is
-    Points points;
-    lidar::Scan scan;
-  };
-  /// By a match to the map around that finds the pose at the stamp and the step before together, from a match
-  /// that takes the scan as it is: early beams move with the pose before, late ones with the new one. How far
-  /// odometry's steps scatter is learnt from what is found of them. Nothing of a scan that was not deskewed,
-  /// is poorly explained, or no better so.
-  std::optional<Unskewed> unskew(const lidar::Scan& scan, const Points& points, const Expected& expected,
-                                 const scanmatch::MatchResult& matched);
+  /// A scan that was deskewed set right, from a match to the map around that takes it as it is (see
+  /// Unskewer). Nothing of one that was not deskewed, or is poorly explained.
+  std::optional<Unskewer::Unskewed> unskew(const lidar::Scan& scan, const Points& points,
+                                           const Expected& expected, const scanmatch::MatchResult& matched);
   /// After a match is taken. Where it has let odometry go, odometry alone is followed, too, for as long as it
   /// may have been right after all. It was not when some scans in a row are explained; it was when the robot
   /// is there again, and then the keyframes in between lie wrong. Meanwhile they do not vouch for themselves.
@@ -91,8 +82,6 @@ class Tracker {
   bool isToldByScans(const core::Pose2& T_map_robot, const Points& points, const Expected& expected) const;
   void followWheels(const core::Pose2& T_wheels, bool lets_go, bool is_elsewhere, bool is_explained);
 
-  void learnScatter(const scanmatch::SweptMatch& match, const Eigen::Vector3d& told, const Prediction& step);
-
   // look_around.cpp: a scan that is poorly explained
   bool lookAround(const Points& points, const Expected& expected, scanmatch::MatchResult& result);
   std::optional<scanmatch::MatchResult> recover(const Points& points, const core::Pose2& predicted,
@@ -103,12 +92,11 @@ class Tracker {
   const keyframes::GraphOptions* options_;
   Motion motion_;
   LocalMap around_;
-  std::optional<core::Pose2> by_wheels_;      ///< map frame: where odometry leads that was let go
-  int unsure_from_ = 0;                       ///< keyframe; meanwhile
-  int explained_ = 0;                         ///< scans in a row
-  double let_go_m_ = 0;                       ///< driven then
-  double scatter_xy_ = 1, scatter_turn_ = 1;  ///< of odometry's steps, over what is expected of any robot's
-  std::optional<Eigen::Matrix3d> swept_covariance_;  ///< Unskewed::noise of the scan before
+  Unskewer unskewer_;
+  std::optional<core::Pose2> by_wheels_;  ///< map frame: where odometry leads that was let go
+  int unsure_from_ = 0;                   ///< keyframe; meanwhile
+  int explained_ = 0;                     ///< scans in a row
+  double let_go_m_ = 0;                   ///< driven then
 };
 
 }  // namespace slam::tracking

@@ -33,17 +33,24 @@ test::Drive sweptDrive(double share = 1) {
 }
 
 struct Told {
+  const char* method = "graph";
   double sweep_s = 0;
   bool deskew = true, has_odometry = true;
   std::optional<lidar::Sweep> by_the_log = {};
 };
 
+Told sweptBy(const char* method = "graph") {
+  Told told;
+  told.method = method, told.sweep_s = 0.2;
+  return told;
+}
+
 double worstHeading(const Told& told, const test::Drive& drive, SweptScans* swept = nullptr) {
   files::IniFile config;
-  config.set("method", "type", "graph", "test");
+  config.set("method", "type", told.method, "test");
   config.set("method", "sweep_s", files::formatNumber(told.sweep_s), "test");
   config.set("method", "deskew", told.deskew ? "true" : "false", "test");
-  auto method = makeMapBuilder(config, "graph", 1);
+  auto method = makeMapBuilder(config, told.method, 1);
   double worst_rad = 0;
   for (size_t i = 0; i < drive.entries.size(); ++i) {
     const auto& entry = drive.entries[i];
@@ -57,7 +64,7 @@ double worstHeading(const Told& told, const test::Drive& drive, SweptScans* swep
 
 TEST(Sweep, ScansAreDeskewedBeforeTheyAreMatched) {
   const auto drive = sweptDrive();
-  const double as_they_are = worstHeading({}, drive), deskewed = worstHeading({0.2}, drive);
+  const double as_they_are = worstHeading(Told(), drive), deskewed = worstHeading(sweptBy(), drive);
   // A sweep over 0.06 rad of turning turns the scan by half of that on the mean.
   EXPECT_GT(as_they_are, 0.015);
   EXPECT_LT(deskewed, 0.005);
@@ -70,7 +77,8 @@ TEST(Sweep, WhatOdometryErrsInALongOneIsFoundWithThePose) {
   for (size_t i = 1; i < drive.entries.size(); ++i)
     drive.entries[i].T_previous_robot.phi += i % 2 == 0 ? kOff_rad : -kOff_rad;
   // A scan that is deskewed by them is turned by half of that on the mean.
-  EXPECT_LT(worstHeading({0.2}, drive), 0.25 * kOff_rad);
+  EXPECT_LT(worstHeading(sweptBy("graph"), drive), 0.25 * kOff_rad);
+  EXPECT_LT(worstHeading(sweptBy("particles"), drive), 0.4 * kOff_rad);
 }
 
 TEST(Sweep, WhatTheLogStatesIsEnough) {
@@ -78,7 +86,7 @@ TEST(Sweep, WhatTheLogStatesIsEnough) {
   Told told;
   told.by_the_log = lidar::Sweep{0.2};
   SweptScans swept;
-  EXPECT_EQ(worstHeading(told, drive, &swept), worstHeading({0.2}, drive));
+  EXPECT_EQ(worstHeading(told, drive, &swept), worstHeading(sweptBy(), drive));
   EXPECT_EQ(swept.swept, drive.entries.size() - 1);
   EXPECT_EQ(swept.set_right, swept.swept);
 }
@@ -89,7 +97,7 @@ TEST(Sweep, IsLeftWhereNobodyWantsItSetRight) {
   told.by_the_log = lidar::Sweep{0.2};
   told.deskew = false;
   SweptScans swept;
-  EXPECT_EQ(worstHeading(told, drive, &swept), worstHeading({}, drive));
+  EXPECT_EQ(worstHeading(told, drive, &swept), worstHeading(Told(), drive));
   EXPECT_EQ(swept.swept, drive.entries.size() - 1);
   EXPECT_EQ(swept.set_right, 0U);
 }

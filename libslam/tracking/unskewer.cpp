@@ -1,3 +1,5 @@
+#include "libslam/tracking/unskewer.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -7,7 +9,6 @@
 #include "libslam/keyframes/search.h"
 #include "libslam/lidar/deskew.h"
 #include "libslam/scanmatch/information.h"
-#include "libslam/tracking/tracker.h"
 
 namespace slam::tracking {
 namespace {
@@ -27,8 +28,8 @@ constexpr double kFirst_m = 0.01, kFirst_rad = 0.01;
 }  // namespace
 
 /// How far steps are off what odometry says of them, by what is found of each and how sure that is.
-void Tracker::learnScatter(const scanmatch::SweptMatch& match, const Eigen::Vector3d& told,
-                           const Prediction& step) {
+void Unskewer::learnScatter(const scanmatch::SweptMatch& match, const Eigen::Vector3d& told,
+                            const Prediction& step) {
   const Eigen::Vector3d off = match.more - told;
   const Eigen::Matrix3d squared = off * off.transpose() + match.more_covariance;
   const auto learn = [](double& scatter, double share) {
@@ -38,31 +39,29 @@ void Tracker::learnScatter(const scanmatch::SweptMatch& match, const Eigen::Vect
   learn(scatter_turn_, squared(2, 2) / (step.sigma_turn_rad * step.sigma_turn_rad));
 }
 
-std::optional<Tracker::Unskewed> Tracker::unskew(const lidar::Scan& scan, const Points& points,
-                                                 const Expected& e, const scanmatch::MatchResult& matched) {
+std::optional<Unskewer::Unskewed> Unskewer::unskew(const lidar::Scan& scan, const Points& points,
+                                                   const keyframes::LevelMaps& maps,
+                                                   const Pose2& T_map_before, const Prediction& told,
+                                                   const scanmatch::MatchResult& matched) {
   const lidar::Deskewing& by = scan.deskewing;
-  const auto before = std::exchange(swept_covariance_, std::nullopt);
-  if (!(by.sweep.duration_s > 0) || !(by.period_s > 0) || points.empty() || around_.isPoor(matched, points))
-    return std::nullopt;
+  const auto before = std::exchange(covariance_, std::nullopt);
   const auto ago = scanmatch::agoOf(points, scan);
   scanmatch::SweptPrior prior;
-  prior.before.mean = e.T_before * by.T_previous_robot;
+  prior.before.mean = T_map_before * by.T_previous_robot;
   prior.before.information =
       before ? scanmatch::covarianceOf(*before) : scanmatch::poseInformation(kFirst_m, kFirst_rad);
-  // Scans are deskewed by odometry also where the method is told none. And where wheels have slipped the
-  // method is told another step than the scan was deskewed by.
-  const Prediction step = e.has_odometry ? e.step : motion_.predict(by.T_previous_robot, true);
-  const Pose2 T_told = prior.before.mean, T_step = e.T_before * step.T_previous_robot;
+  // Where wheels have slipped a method is told another step than the scan was deskewed by.
+  const Pose2 T_told = prior.before.mean, T_step = T_map_before * told.T_previous_robot;
   prior.more << T_step.x - T_told.x, T_step.y - T_told.y, core::angleDifference(T_step.phi, T_told.phi);
-  prior.step_information = scanmatch::poseInformation(std::sqrt(scatter_xy_) * step.sigma_xy_m,
-                                                      std::sqrt(scatter_turn_) * step.sigma_turn_rad);
+  prior.step_information = scanmatch::poseInformation(std::sqrt(scatter_xy_) * told.sigma_xy_m,
+                                                      std::sqrt(scatter_turn_) * told.sigma_turn_rad);
   auto options = keyframes::matchOptions(10);
-  options.prior_kernel = options_->odometry_kernel;
+  options.prior_kernel = map_->options().odometry_kernel;
   const double variance = std::max(map_->pointNoise().variance(), kLeastVariance);
   options.information_scale = 1 / (keyframes::kBothViews * variance);
   Unskewed result;
   result.match.T_map_robot = matched.T_map_robot;
-  for (const auto* map : {&around_.maps().middle, &around_.maps().fine})
+  for (const auto* map : {&maps.middle, &maps.fine})
     result.match = scanmatch::alignSweptToSurfels(points, ago, *map, result.match, prior, options);
   if (!(result.match.score > matched.score - kLessExplained)) return std::nullopt;
   const Pose2& T = result.match.T_map_robot;
@@ -72,9 +71,9 @@ std::optional<Tracker::Unskewed> Tracker::unskew(const lidar::Scan& scan, const 
   const Pose2 T_more{c * more.x() + s * more.y(), -s * more.x() + c * more.y(), more.z()};
   result.noise = variance * result.match.by_points + result.match.by_prior;
   if (!core::isFinite(T) || !core::isFinite(T_more) || !result.noise.allFinite()) return std::nullopt;
-  learnScatter(result.match, prior.more, step);
+  learnScatter(result.match, prior.more, told);
   result.scan = lidar::deskewed(scan, T_more, by.period_s, by.sweep);
-  swept_covariance_ = result.noise;
+  covariance_ = result.noise;
   return result;
 }
 
