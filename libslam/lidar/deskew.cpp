@@ -73,7 +73,7 @@ Scan deskewed(const Scan& scan, const core::Pose2& T_previous_robot, double peri
   const bool is_still = T_previous_robot.x == 0 && T_previous_robot.y == 0 && T_previous_robot.phi == 0;
   if (sweep.duration_s <= 0 || scan.ranges_m.size() < 2) return scan;
   Scan result = scan;
-  result.deskewing = {sweep, T_previous_robot, period_s};
+  result.deskewing = {sweep, T_previous_robot, period_s, true};
   if (is_still) return result;
   auto moved = movedReadings(scan, T_previous_robot, period_s, sweep);
   if (scan.isFullCircle()) {

@@ -29,7 +29,8 @@ struct Sweep {
 struct Deskewing {
   Sweep sweep;  ///< duration 0: it was not
   core::Pose2 T_previous_robot;
-  double period_s = 0;  ///< in which the robot moved so
+  double period_s = 0;      ///< in which the robot moved so
+  bool is_measured = true;  ///< else nobody knows: that it went on as before, or stood, was assumed
 };
 
 /// One sweep of a 2D lidar. Beam i points to first_angle_rad + i * step_rad in the lidar frame (0 is straight

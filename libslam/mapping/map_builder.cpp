@@ -16,7 +16,7 @@ struct MapBuilder::State {
   State(const MethodConfig& config, const methods::MethodType& method_type)
       : type(method_type),
         motions(config.method, config.scan_odometry, method_type.goes_on_alone),
-        deskewer(config.method) {}
+        deskewer(config.method, method_type.goes_on_alone) {}
 
   const methods::MethodType& type;
   StepMotions motions;

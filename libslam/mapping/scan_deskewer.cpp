@@ -142,9 +142,16 @@ std::optional<lidar::Scan> ScanDeskewer::deskewed(const StepHistory& history, co
   counts_.swept += history.previous_scan.has_value();
   if (!method_.deskew) return std::nullopt;
   const auto motion = motionUpTo(history, scan, T_previous_robot, has_odometry);
-  if (!motion) return std::nullopt;
+  const double since_s = history.previous_scan ? scan.time_s - history.previous_scan->time_s : 0;
+  if (!motion && !(unskews_alone_ && since_s > 0)) return std::nullopt;
   ++counts_.set_right;
-  if (has_odometry && lidar::areOfOneLidar(*history.previous_scan, scan))
+  if (!motion || !has_odometry) {
+    const RecentMotion assumed = motion.value_or(RecentMotion{{}, since_s});
+    lidar::Scan result = lidar::deskewed(scan, assumed.T_previous_robot, assumed.period_s, *sweep);
+    result.deskewing.is_measured = false;
+    return result;
+  }
+  if (lidar::areOfOneLidar(*history.previous_scan, scan))
     return deskewedByMatch(history, scan, motion->T_previous_robot, motion->period_s, *sweep);
   return lidar::deskewed(scan, motion->T_previous_robot, motion->period_s, *sweep);
 }

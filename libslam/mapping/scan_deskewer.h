@@ -19,10 +19,14 @@ struct SweptScans {
 /// scan before of the same lidar corrects it: a step's odometry errs by more than its beams may be off.
 /// Longer sweeps are asked only whether wheels have slipped, where odometry is far from how the robot moved
 /// before: then that goes on, or the robot turns by something between and beyond both, if the scan so
-/// deskewed fits distinctly better to the one before.
+/// deskewed fits distinctly better to the one before. What the motion errs by is left to the method, see
+/// lidar::Deskewing.
 class ScanDeskewer {
  public:
-  explicit ScanDeskewer(const MethodOptions& method) : method_(method) {}
+  /// `unskews_alone`: the method finds by itself how the robot moved meanwhile (tracking::Unskewer), also
+  /// where there is no odometry.
+  explicit ScanDeskewer(const MethodOptions& method, bool unskews_alone = false)
+      : method_(method), unskews_alone_(unskews_alone) {}
 
   /// nullopt: the scan stays as it is. `sweep` as whoever measured it says; [method] sweep_s comes before it.
   std::optional<lidar::Scan> deskewed(const StepHistory& history, const lidar::Scan& scan,
@@ -42,6 +46,7 @@ class ScanDeskewer {
                               const lidar::Sweep& sweep);
 
   MethodOptions method_;
+  bool unskews_alone_;
   SweptScans counts_;
   std::optional<core::Pose2> moved_instead_;
   scanmatch::SurfelMap coarse_{0.2, 0.04}, fine_{0.1, 0.02};  ///< of the scan before

@@ -154,7 +154,8 @@ std::optional<Unskewer::Unskewed> Tracker::unskew(const lidar::Scan& scan, const
     return std::nullopt;
   }
   // Scans are deskewed by odometry also where the method is told none.
-  const Prediction told = e.has_odometry ? e.step : motion_.predict(by.T_previous_robot, true);
+  const bool is_untold = !e.has_odometry && by.is_measured;
+  const Prediction told = is_untold ? motion_.predict(by.T_previous_robot, true) : e.step;
   return unskewer_.unskew(scan, points, around_.maps(), e.T_before, told, matched);
 }
 

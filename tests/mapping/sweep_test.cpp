@@ -102,9 +102,10 @@ TEST(Sweep, IsLeftWhereNobodyWantsItSetRight) {
   EXPECT_EQ(swept.set_right, 0U);
 }
 
-TEST(Sweep, WithoutOdometryTheScansStayAndAreCounted) {
+TEST(Sweep, WithoutOdometryScansStayAndAreCounted) {
   const auto drive = sweptDrive();
   Told told;
+  told.method = "particles";
   told.has_odometry = false;
   const double as_they_are = worstHeading(told, drive);
   told.by_the_log = lidar::Sweep{0.2};
@@ -113,6 +114,17 @@ TEST(Sweep, WithoutOdometryTheScansStayAndAreCounted) {
   EXPECT_EQ(worstHeading(told, drive, &swept), as_they_are);
   EXPECT_EQ(swept.swept, drive.entries.size() - 1);
   EXPECT_EQ(swept.set_right, 0U);
+}
+
+TEST(Sweep, WithoutOdometryTheGraphFindsTheMotionWithThePose) {
+  const auto drive = sweptDrive();
+  Told told;
+  told.has_odometry = false;
+  const double as_they_are = worstHeading(told, drive);
+  told.by_the_log = lidar::Sweep{0.2};
+  SweptScans swept;
+  EXPECT_LT(worstHeading(told, drive, &swept), 0.5 * as_they_are);
+  EXPECT_EQ(swept.set_right, drive.entries.size() - 1);
 }
 
 /// How far a scan of sweptDrive() is from what the lidar would have seen at its stamp: the median over the
