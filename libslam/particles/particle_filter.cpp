@@ -196,6 +196,17 @@ bool ParticleFilter::drawsOn() {
   return true;
 }
 
+/// The scan at hand into all maps.
+void ParticleFilter::insert(const std::vector<lidar::Scan>& others, bool is_matched) {
+  if (is_matched) weigh();
+  std::vector<gridmap::ScanRays> seen = {gridmap::scanRays(scan_, options_.rays)};
+  for (const auto& other : others) seen.push_back(gridmap::scanRays(other, options_.rays));
+  team_.forEach(particles_.size(), [&](size_t i) {
+    if (is_matched) drawPose(i);
+    for (const auto& rays : seen) particles_[i].grid.insert(rays, particles_[i].T_raster_robot);
+  });
+}
+
 const ParticleStep& ParticleFilter::update(const lidar::Scan& given, const std::optional<Motion>& motion,
                                            const std::vector<lidar::Scan>& others) {
   if (motion && !(core::isFinite(motion->T_previous_robot) && motion->covariance.allFinite()))
@@ -233,16 +244,7 @@ const ParticleStep& ParticleFilter::update(const lidar::Scan& given, const std::
                        core::distance(T, T_inserted_) > options_.insert_distance_m ||
                        std::abs(core::angleDifference(T.phi, T_inserted_.phi)) > options_.insert_angle_rad;
   step_.inserted = mapping_ && (is_first || restarted || (!lost_ && is_news));
-  if (step_.inserted) {
-    const bool is_matched = !is_first && !restarted;
-    if (is_matched) weigh();
-    std::vector<gridmap::ScanRays> seen = {gridmap::scanRays(scan, options_.rays)};
-    for (const auto& other : others) seen.push_back(gridmap::scanRays(other, options_.rays));
-    team_.forEach(particles_.size(), [&](size_t i) {
-      if (is_matched) drawPose(i);
-      for (const auto& rays : seen) particles_[i].grid.insert(rays, particles_[i].T_raster_robot);
-    });
-  }
+  if (step_.inserted) insert(others, !is_first && !restarted);
   for (Particle& particle : particles_)
     particle.leaf = paths_.extend(particle.leaf, {scan.time_s, particle.T_raster_robot});
   if (step_.inserted) {

@@ -210,6 +210,7 @@ class ParticleFilter {
   void findPlace(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   void matchAll(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance);
   void moveAll(const std::optional<Motion>& motion);
+  void insert(const std::vector<lidar::Scan>& others, bool is_matched);
   void drawPose(size_t particle);
   void weigh();
   void resample();
