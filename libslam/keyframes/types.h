@@ -180,7 +180,7 @@ struct View {
 /// How a scan joins the last one of its lidar.
 struct Break {
   core::Pose2 T_previous_robot;
-  double contradicted;  ///< see brokenBy(); NaN: there is nothing to compare
+  double contradicted;  ///< see tracking::Motion::brokenBy(); NaN: there is nothing to compare
 };
 /// Since scans speak for kidnapping.
 struct Doubt {

@@ -15,12 +15,12 @@ class Sweeps {
   /// `past` has to stay where it is; its frame is that of all poses here.
   explicit Sweeps(const loops::TrackedPath& past)
       : past_(&past), around_(past.map()), unskewer_(past.map()) {}
-  /// T_before: of the robot at the scan before. Nothing of a scan that was not deskewed, that the keyframes
-  /// explain poorly, or without a keyframe.
   struct SetRight {
     lidar::Scan scan;
     Eigen::Matrix3d noise;  ///< covariance of its pose against the keyframes
   };
+  /// T_before: of the robot at the scan before. Nothing of a scan that was not deskewed, that the keyframes
+  /// explain poorly, or without a keyframe.
   std::optional<SetRight> setRight(const lidar::Scan& scan, const core::Pose2& T_before, const Motion& told);
 
  private:

@@ -55,6 +55,7 @@ tests_of() {
     keyframes) echo "keyframes graph" ;;
     loops) echo "loops graph" ;;
     tracking) echo "tracking graph" ;;
+    particles) echo "particles mapping" ;;
     choices | strategies | safety) echo "$1 navigate" ;;
     movers) echo "movers sim" ;;
     calibration) echo "calibration doctor" ;;

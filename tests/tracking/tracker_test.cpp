@@ -195,6 +195,9 @@ TEST(Tracker, SetsRightWhatOdometryErrsByInASweep) {
   EXPECT_LT(after, 0.3 * before);
   EXPECT_NEAR(unskewed->match.more.z(), 0.05, 0.015);
   EXPECT_GT(std::sqrt(unskewed->noise(2, 2)), 0.3 * after);
+  const LocalMap& around = room.tracker.around();
+  EXPECT_GT(around.toldScore(unskewed->points, kHere * T_step),
+            around.toldScore(points, kHere * T_step) + 0.1);
   // The scan that is kept looks as if it had been taken at once.
   const auto straight = room.look(kHere * T_step, 0.2);
   const auto meanOff = [&](const lidar::Scan& one) {
