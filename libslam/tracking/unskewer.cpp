@@ -22,6 +22,8 @@ constexpr double kLessExplained = 0.02;
 constexpr double kScatterGain = 0.03;
 /// Points without noise lie no better in a map than this, in surfels' variances.
 constexpr double kLeastVariance = 0.01;
+/// A sweep that lasts so many steps is none, nor has a robot gone so much farther in one, or turned.
+constexpr double kLongest = 2, kMostMore_m = 4, kMostMore_rad = 2;
 /// What the pose before the first swept scan errs by.
 constexpr double kFirst_m = 0.01, kFirst_rad = 0.01;
 
@@ -45,6 +47,7 @@ std::optional<Unskewer::Unskewed> Unskewer::unskew(const lidar::Scan& scan, cons
                                                    const scanmatch::MatchResult& matched) {
   const lidar::Deskewing& by = scan.deskewing;
   const auto before = std::exchange(covariance_, std::nullopt);
+  if (!(by.sweep.duration_s < kLongest * by.period_s)) return std::nullopt;
   const auto ago = scanmatch::agoOf(points, scan);
   scanmatch::SweptPrior prior;
   prior.before.mean = T_map_before * by.T_previous_robot;
@@ -65,6 +68,9 @@ std::optional<Unskewer::Unskewed> Unskewer::unskew(const lidar::Scan& scan, cons
     result.match = scanmatch::alignSweptToSurfels(points, ago, *map, result.match, prior, options);
   if (!(result.match.score > matched.score - kLessExplained)) return std::nullopt;
   const Pose2& T = result.match.T_map_robot;
+  const bool is_leap = !(result.match.more.head<2>().norm() < kMostMore_m) ||
+                       !(std::abs(result.match.more.z()) < kMostMore_rad);
+  if (is_leap) return std::nullopt;
   result.points = scanmatch::sweptBy(points, ago, result.match.more, T.phi);
   const auto [s, c] = core::sinCos(T.phi);
   const Eigen::Vector3d& more = result.match.more;

@@ -209,6 +209,9 @@ TEST(Tracker, SetsRightWhatOdometryErrsByInASweep) {
     return sum_m / count;
   };
   EXPECT_LT(meanOff(unskewed->scan), 0.7 * meanOff(scan));
+  auto endless = scan;  // nobody knows how it was swept
+  endless.deskewing.sweep.duration_s = 1000;
+  EXPECT_FALSE(room.tracker.unskew(endless, points, expected, match.result).has_value());
   auto at_once = scan;
   at_once.deskewing = {};
   EXPECT_FALSE(room.tracker.unskew(at_once, points, expected, match.result).has_value());
