@@ -101,10 +101,8 @@ void GraphMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) cons
   for (int k = 0; k < graph_.keyframeCount(); ++k) {
     const lidar::Scan& scan = graph_.keyframeScan(k);
     if (scan.ranges_m.empty()) continue;
-    const auto observation = lidar::toMrpt(scan);
-    observation->timestamp = mrpt::Clock::fromDouble(scan.time_s);
     mrpt::obs::CSensoryFrame frame;
-    frame.insert(observation);
+    lidar::addTo(frame, scan, scan.time_s);
     compat::insertFrame(out_map, gaussian(graph_.keyframePose(k), Eigen::Matrix3d::Zero()), frame);
   }
 }

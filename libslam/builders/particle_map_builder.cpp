@@ -1,6 +1,5 @@
 #include "libslam/builders/particle_map_builder.h"
 
-#include <mrpt/core/Clock.h>
 #include <mrpt/math/TPose2D.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
@@ -179,13 +178,7 @@ void ParticleMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) c
     mrpt::poses::CPose3DPDFGaussian pose;
     pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(lidar::toMrpt(path[key_frame.scan].pose)));
     mrpt::obs::CSensoryFrame frame;
-    for (const auto& scan : key_frame.seen) {
-      const auto observation = lidar::toMrpt(scan);
-      observation->timestamp = mrpt::Clock::fromDouble(scan.time_s);
-      // Told apart by their labels.
-      if (!frame.empty()) observation->sensorLabel += " " + std::to_string(frame.size() + 1);
-      frame.insert(observation);
-    }
+    for (const auto& scan : key_frame.seen) lidar::addTo(frame, scan, key_frame.seen.front().time_s);
     compat::insertFrame(out_map, pose, frame);
   }
 }

@@ -18,9 +18,9 @@ namespace slam::builders {
 /// the frame the first 2D range scan counts; a frame without any is ignored, its motion is kept for the next.
 ///
 /// The pose estimation is a Gaussian with the covariance of ParticleStep. The simple map's key frames are the
-/// scans that entered the particles' maps, at the best particle's corrected poses. The metric map is one
-/// occupancy grid of resolution_m, drawn from the key frames when it is asked for: exactly (gridmap::Grid),
-/// and anew when the best particle's past is another one than at the last time.
+/// scans (as lidar::toMrpt() writes them) that entered the particles' maps, at the best particle's corrected
+/// poses. The metric map is one occupancy grid of resolution_m, drawn from the key frames when it is asked
+/// for: exactly (gridmap::Grid), and anew when the best particle's past is another one than at the last time.
 ///
 /// options.enableMapUpdating = false localises in the map as it is. initialize() with key frames starts from
 /// a map that is drawn of them, in which the robot stands at x0.

@@ -3,6 +3,7 @@
 #include <mrpt/core/Clock.h>
 #include <mrpt/math/TPose2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/poses/CPose3D.h>
 
 #include <algorithm>
@@ -53,6 +54,13 @@ bool isRightToLeft(const mrpt::obs::CObservation2DRangeScan& observation) {
   unsigned char byte = 0;
   std::memcpy(&byte, &observation.rightToLeft, 1);
   return byte != 0;
+}
+
+void addTo(mrpt::obs::CSensoryFrame& frame, const Scan& scan, double time_s) {
+  const auto observation = toMrpt(scan);
+  observation->timestamp = mrpt::Clock::fromDouble(time_s);
+  if (!frame.empty()) observation->sensorLabel += " " + std::to_string(frame.size() + 1);
+  frame.insert(observation);
 }
 
 Scan fromMrpt(const mrpt::obs::CObservation2DRangeScan& observation) {

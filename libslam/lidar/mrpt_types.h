@@ -6,7 +6,8 @@
 
 namespace mrpt::obs {
 class CObservation2DRangeScan;
-}
+class CSensoryFrame;
+}  // namespace mrpt::obs
 namespace mrpt::math {
 struct TPose2D;
 }
@@ -18,6 +19,11 @@ namespace slam::lidar {
 /// angle), no-return = maxRange and invalid, lost = 0 and invalid. The label is "LASER". REQUIRES at least 2
 /// beams (ContractError).
 std::shared_ptr<mrpt::obs::CObservation2DRangeScan> toMrpt(const Scan& scan);
+
+/// Puts toMrpt(scan) into a frame with another stamp (seconds since the Unix epoch). Lidars of one frame are
+/// told apart by their labels: "LASER", "LASER 2" and so on; MRPT's ICP counts the way since the last
+/// insertion by them.
+void addTo(mrpt::obs::CSensoryFrame& frame, const Scan& scan, double time_s);
 
 /// And back. A scan that goes left to right is turned round. Invalid readings at or beyond 0.99 of maxRange
 /// become kNoReturn, other invalid ones kLostReading; valid readings <= 0 or not finite become kLostReading,

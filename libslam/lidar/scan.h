@@ -27,10 +27,10 @@ struct Sweep {
 
 /// By what a scan was deskewed.
 struct Deskewing {
-  Sweep sweep;  ///< duration 0: it was not
-  core::Pose2 T_previous_robot;
-  double period_s = 0;      ///< in which the robot moved so
-  bool is_measured = true;  ///< else nobody knows: that it went on as before, or stood, was assumed
+  Sweep sweep;                   ///< duration 0: it was not
+  core::Pose2 T_previous_robot;  ///< m, rad: the robot at the stamp, in its frame period_s before
+  double period_s = 0;           ///< in which it moved so
+  bool is_measured = true;       ///< else nobody knows: that it went on as before, or stood, was assumed
 };
 
 /// One sweep of a 2D lidar. Beam i points to first_angle_rad + i * step_rad in the lidar frame (0 is straight
@@ -42,9 +42,9 @@ struct Scan {
   double min_range_m = 0;
   double max_range_m =
       0;  ///< always finite and positive, also for a lidar without a limit (then the world's size)
-  double range_sigma_m = 0;   ///< standard deviation of one range, as the sensor states it
-  core::Pose2 T_robot_lidar;  ///< mounting pose
-  Deskewing deskewing;
+  double range_sigma_m = 0;     ///< standard deviation of one range, as the sensor states it
+  core::Pose2 T_robot_lidar;    ///< mounting pose
+  Deskewing deskewing;          ///< by what motion this scan was set right, if any
   std::vector<float> ranges_m;  ///< distance, kNoReturn or kLostReading
 
   double angle(size_t beam) const { return first_angle_rad + static_cast<double>(beam) * step_rad; }

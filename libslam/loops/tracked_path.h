@@ -74,6 +74,7 @@ class TrackedPath {
   /// keyframes since the last loop.
   void setPose(int keyframe, const core::Pose2& T_map_robot);
   const std::vector<core::JournalEntry>& journal() const;
+  /// What the keyframes have seen; for the rooms of SLAM methods only.
   const keyframes::KeyframeMap& map() const { return *map_; }
 
  private:

@@ -116,20 +116,12 @@ core::Pose2 MrptMethod::process(const MethodStep& step) {
 }
 
 void MrptMethod::feed(const MethodStep& step, const std::shared_ptr<CActionRobotMovement2D>& action) const {
-  const auto stamp = mrpt::Clock::fromDouble(step.time_s);
-  action->timestamp = stamp;
+  action->timestamp = mrpt::Clock::fromDouble(step.time_s);
   mrpt::obs::CActionCollection actions;
   actions.insert(*action);
   mrpt::obs::CSensoryFrame frame;
-  const auto insert = [&](const lidar::Scan& seen) {
-    auto observation = lidar::toMrpt(seen);
-    observation->timestamp = stamp;
-    // MRPT's ICP counts the way since the last insertion lidar by lidar, by their labels.
-    if (!frame.empty()) observation->sensorLabel += " " + std::to_string(frame.size() + 1);
-    frame.insert(observation);
-  };
-  insert(step.scan);
-  for (const auto& other : step.others) insert(other);
+  lidar::addTo(frame, step.scan, step.time_s);
+  for (const auto& other : step.others) lidar::addTo(frame, other, step.time_s);
   try {
     builder_->processActionObservation(actions, frame);
   } catch (const std::exception& error) {

@@ -17,7 +17,7 @@ class Sweeps {
       : past_(&past), around_(past.map()), unskewer_(past.map()) {}
   struct SetRight {
     lidar::Scan scan;
-    Eigen::Matrix3d noise;  ///< covariance of its pose against the keyframes
+    Eigen::Matrix3d noise;  ///< covariance of its pose against the keyframes; frame of the path, m and rad
   };
   /// T_before: of the robot at the scan before. Nothing of a scan that was not deskewed, that the keyframes
   /// explain poorly, or without a keyframe.

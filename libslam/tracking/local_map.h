@@ -8,7 +8,7 @@
 namespace slam::tracking {
 
 /// The map around the robot, of keyframes near it: what the next scan is matched to, and what it says of
-/// that. For the rooms of graph SLAM only.
+/// that. For the rooms of SLAM methods only.
 class LocalMap {
  public:
   using Points = std::vector<scanmatch::PatchPoint>;

@@ -15,7 +15,7 @@ namespace slam::tracking {
 
 /// A step as odometry has it, or else the motion before, and standard deviations.
 struct Prediction {
-  core::Pose2 T_previous_robot;
+  core::Pose2 T_previous_robot;  ///< m, rad: the robot in its frame at the scan before
   double sigma_xy_m, sigma_turn_rad;
 };
 
@@ -53,6 +53,7 @@ class Motion {
   double period_s() const { return period_s_; }
   /// A step of the wheels, set right.
   core::Pose2 corrected(const core::Pose2& T_wheels) const { return wheels_.corrected(T_wheels); }
+  /// The step that odometry has, or else step(), and how far it may be off: in the robot's frame before it.
   Prediction predict(const core::Pose2& T_previous_robot, bool has_odometry) const;
   /// Between two scans; of an indoor robot, and no farther than where little is seen twice.
   double farthestMove() const;

@@ -23,9 +23,9 @@ class Unskewer {
 
   struct Unskewed {
     scanmatch::SweptMatch match;
-    Eigen::Matrix3d noise;  ///< covariance of its pose against the map as it is
-    Points points;
-    lidar::Scan scan;
+    Eigen::Matrix3d noise;  ///< covariance of its pose against the map as it is; map frame, m and rad
+    Points points;          ///< as if all had been measured at the stamp; robot frame
+    lidar::Scan scan;       ///< the same
   };
   /// From a match to maps of the keyframes around that takes the scan as it is. `told`: the step as odometry
   /// has it, which need not be what the scan was deskewed by. Nothing where the scan is no better explained.
