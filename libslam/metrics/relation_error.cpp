@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
@@ -85,6 +87,34 @@ RelationError relationError(const core::Relations& relations, const core::Trajec
   all.resize(std::min(all.size(), worst));
   result.worst = std::move(all);
   return result;
+}
+
+std::optional<AnnotationError> annotationError(const core::Relations& relations) {
+  constexpr std::size_t kLeastTriangles = 30;
+  const auto stampOf = [](double time_s) { return std::llround(time_s / kSameStamp_s); };
+  std::map<long long, std::map<long long, core::Pose2>> ways;  // both ways
+  for (const auto& relation : relations) {
+    const long long from = stampOf(relation.from_time_s), to = stampOf(relation.to_time_s);
+    if (from == to || !ways[from].emplace(to, relation.T_from_to).second) continue;
+    ways[to].emplace(from, core::inverse(relation.T_from_to));
+  }
+  std::size_t triangles = 0;
+  double gaps_m2 = 0, gaps_rad2 = 0;
+  for (const auto& [a, from_a] : ways)
+    for (auto ab = from_a.upper_bound(a); ab != from_a.end(); ++ab)
+      for (auto ac = std::next(ab); ac != from_a.end(); ++ac) {
+        const auto& from_b = ways.at(ab->first);
+        const auto bc = from_b.find(ac->first);
+        if (bc == from_b.end()) continue;
+        const core::Pose2 gap = core::between(ac->second, ab->second * bc->second);
+        gaps_m2 += gap.x * gap.x + gap.y * gap.y;
+        gaps_rad2 += core::wrapToPi(gap.phi) * core::wrapToPi(gap.phi);
+        ++triangles;
+      }
+  if (triangles < kLeastTriangles) return std::nullopt;
+  const double relations_of_all = 3 * static_cast<double>(triangles);
+  return AnnotationError{std::sqrt(gaps_m2 / (2 * relations_of_all)), std::sqrt(gaps_rad2 / relations_of_all),
+                         triangles};
 }
 
 core::Relations relationsOf(const core::Trajectory& truth, double step_m, double near_m, double apart_s) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "libslam/core/pose2.h"
@@ -36,6 +37,18 @@ struct RelationError {
 };
 RelationError relationError(const core::Relations& relations, const core::Trajectory& estimate,
                             std::size_t worst = 5);
+
+/// What relations err by themselves, without any path: three of them that join three stamps lead round to
+/// where they began, but for their errors. Taken as independent and of one size, along x, along y and in
+/// turning, such a triangle's gap has three times a relation's variance; a turn's error that shows as a gap
+/// at the end of a long relation counts as one along x and y.
+struct AnnotationError {
+  double sigma_xy_m, sigma_turn_rad;  ///< of one relation
+  std::size_t triangles;
+};
+/// Of relations with the same two stamps (to 1 microsecond) the first counts. Nothing with fewer than 30
+/// triangles.
+std::optional<AnnotationError> annotationError(const core::Relations& relations);
 
 /// Relations that a truth gives: from each pose to the next one at least `step_m` of path away, and to the
 /// nearest earlier pose within `near_m` that is more than `apart_s` before it (a place seen again), where

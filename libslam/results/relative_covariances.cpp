@@ -141,7 +141,8 @@ std::vector<double> relativeNees(const core::Trajectory& truth, const core::Traj
 }
 
 std::vector<double> relationNees(const core::Relations& relations, const core::Trajectory& estimate,
-                                 const std::vector<RelativeCovariance>& covariances) {
+                                 const std::vector<RelativeCovariance>& covariances,
+                                 const Eigen::Matrix3d& of_relation) {
   std::map<std::pair<long long, long long>, const RelativeCovariance*> of_stamps;
   for (const auto& one : covariances)
     if (one.kind == Kind::kRelation)
@@ -153,8 +154,9 @@ std::vector<double> relationNees(const core::Relations& relations, const core::T
     if (known == of_stamps.end() || !metrics::poseAt(estimate, relation.from_time_s, first) ||
         !metrics::poseAt(estimate, relation.to_time_s, second))
       continue;
-    nees.push_back(neesOf(core::between(first, second), relation.T_from_to, known->second->covariance)
-                       .value_or(std::numeric_limits<double>::infinity()));
+    nees.push_back(
+        neesOf(core::between(first, second), relation.T_from_to, known->second->covariance + of_relation)
+            .value_or(std::numeric_limits<double>::infinity()));
   }
   return nees;
 }

@@ -40,9 +40,10 @@ std::vector<RelativeCovariance> readRelativeCovariances(const std::string& path)
 std::vector<double> relativeNees(const core::Trajectory& truth, const core::Trajectory& estimate,
                                  const std::vector<RelativeCovariance>& covariances,
                                  RelativeCovariance::Kind kind);
-/// The same of the relations that have a covariance (of kind kRelation), against what they say. They are
-/// taken for the truth: what their annotation errs by counts as the method's error.
+/// The same of the relations that have a covariance (of kind kRelation), against what they say. With a
+/// covariance of zero for a relation itself what its annotation errs by counts as the method's error.
 std::vector<double> relationNees(const core::Relations& relations, const core::Trajectory& estimate,
-                                 const std::vector<RelativeCovariance>& covariances);
+                                 const std::vector<RelativeCovariance>& covariances,
+                                 const Eigen::Matrix3d& of_relation = Eigen::Matrix3d::Zero());
 
 }  // namespace slam::results

@@ -17,6 +17,9 @@ struct RelationScore {
   /// ANEES of the relations, and the share of them within the 95 % region that the method claims for its pose
   /// as the other one sees it: of final paths with relative covariances (results::relationNees()).
   std::optional<double> anees = {}, within_95_share = {};
+  /// The same with what the relations err by themselves added to what the method claims, where that is known.
+  std::optional<double> anees_annotated = {}, within_95_share_annotated = {};
+  std::optional<metrics::AnnotationError> annotation = {};
 };
 
 /// Of a run: its path, or where the method corrects its past the final path first and then the one given
@@ -25,7 +28,8 @@ std::vector<RelationScore> scoreByRelations(const results::RunFolder& run, const
 
 /// One row per path: mean, deviation and maximum of the translational and of the rotational error (Kümmerle
 /// et al. 2009), how many relations were scored; kFull also the squares and medians. Where a path has
-/// covariances of them the share within the claimed 95 % region; kFull also ANEES. The notes state how
+/// covariances of them the share within the claimed 95 % region, and the same with what the relations err by
+/// themselves; kFull also ANEES of both. The notes state how
 /// poses at the relations' stamps are found.
 table::Table relationTable(const std::vector<RelationScore>& scores, Detail detail);
 

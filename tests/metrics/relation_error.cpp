@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
+#include "libslam/core/random.h"
 
 namespace slam::metrics {
 namespace {
@@ -122,6 +123,55 @@ TEST(RelationsOf, ATruthHaveNoErrorAgainstItAndCloseItsLoops) {
   EXPECT_LT(error.translation_m.max, 1e-12);
   EXPECT_THROW(relationsOf(circle, 0, 1, 1), core::ContractError);
   EXPECT_TRUE(relationsOf({}, 1, 1, 1).empty());
+}
+
+/// Relations between every two of `stamps` poses, each with errors of its own.
+core::Relations allBetween(int stamps, double sigma_m, double sigma_rad) {
+  core::RandomStream random(7, "annotation");
+  core::Relations relations;
+  for (int a = 0; a < stamps; ++a)
+    for (int b = a + 1; b < stamps; ++b) {
+      const core::Pose2 right = core::between({0.1 * a, 0, 0.2 * a}, {0.1 * b, 0, 0.2 * b});
+      const core::Pose2 error{random.normal(sigma_m), random.normal(sigma_m), random.normal(sigma_rad)};
+      const core::Pose2 says = right * error;
+      if ((a + b) % 2 == 0)
+        relations.push_back({1.0 * a, 1.0 * b, says});
+      else
+        relations.push_back({1.0 * b, 1.0 * a, core::inverse(says)});
+    }
+  return relations;
+}
+
+TEST(AnnotationError, IsWhatTheGapsOfTrianglesTellOfOneRelation) {
+  const auto error = annotationError(allBetween(40, 0.02, 0.004));
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->triangles, 40U * 39 * 38 / 6);
+  EXPECT_NEAR(error->sigma_xy_m, 0.02, 0.001);
+  EXPECT_NEAR(error->sigma_turn_rad, 0.004, 0.0003);
+}
+
+TEST(AnnotationError, OfExactRelationsIsNone) {
+  const auto error = annotationError(allBetween(8, 0, 0));
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->triangles, 56U);
+  EXPECT_NEAR(error->sigma_xy_m, 0, 1e-9);
+  EXPECT_NEAR(error->sigma_turn_rad, 0, 1e-9);
+}
+
+TEST(AnnotationError, IsNotKnownFromAFewTriangles) {
+  EXPECT_FALSE(annotationError({}));
+  EXPECT_FALSE(annotationError(allBetween(6, 0.02, 0.004))) << "20 triangles";
+  core::Relations chain;
+  for (int i = 0; i < 200; ++i) chain.push_back({1.0 * i, 1.0 * i + 1, {1, 0, 0}});
+  EXPECT_FALSE(annotationError(chain));
+}
+
+TEST(AnnotationError, CountsTheFirstOfTwoRelationsThatSayTheSame) {
+  core::Relations relations = allBetween(8, 0, 0);
+  relations.push_back({relations[3].to_time_s, relations[3].from_time_s, {5, 5, 5}});
+  relations.push_back({2, 2, {3, 3, 3}});
+  EXPECT_EQ(annotationError(relations)->triangles, 56U);
+  EXPECT_NEAR(annotationError(relations)->sigma_xy_m, 0, 1e-9);
 }
 
 }  // namespace

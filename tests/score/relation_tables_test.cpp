@@ -78,6 +78,36 @@ TEST(RelationTables, HoldTheRelationsAgainstTheCovariancesThatTheMethodClaims) {
   EXPECT_EQ(relationTable(scores, Detail::kFull).columns.end()[-2].key, "anees");
 }
 
+// Every triangle of the relations has a gap of 0.3 m along x: one relation's variance is 0.3^2 / 6 along x
+// and y.
+TEST(RelationTables, HoldTheClaimsAgainstRelationsThatErrThemselves) {
+  core::Relations relations;
+  core::Trajectory path;
+  for (int corner = 0; corner < 40; ++corner) {
+    const double t = 10.0 * corner;
+    relations.insert(relations.end(),
+                     {{t, t + 1, {1.3, 0, 0}}, {t + 1, t + 2, {1, 0, 0}}, {t, t + 2, {2, 0, 0}}});
+    for (int i = 0; i < 3; ++i) path.push_back({t + i, {1.0 * i, 0, 0}});
+  }
+  auto run = runWith(path);
+  run.final_estimate = path;
+  for (const auto& relation : relations)
+    run.relative_covariances.push_back({results::RelativeCovariance::Kind::kRelation, relation.from_time_s,
+                                        relation.to_time_s, 1e-4 * Eigen::Matrix3d::Identity()});
+  const auto scores = scoreByRelations(run, relations);
+  ASSERT_TRUE(scores[0].annotation);
+  EXPECT_EQ(scores[0].annotation->triangles, 40U);
+  EXPECT_NEAR(scores[0].annotation->sigma_xy_m, 0.3 / std::sqrt(6), 1e-9);
+  EXPECT_NEAR(scores[0].within_95_share.value(), 2.0 / 3, 1e-9) << "of three one is 30 sigma off";
+  EXPECT_NEAR(scores[0].within_95_share_annotated.value(), 1, 1e-9);
+  EXPECT_NEAR(scores[0].anees_annotated.value(), 0.09 / (0.09 / 6 + 1e-4) / 9, 1e-6);
+  const auto table = relationTable(scores, Detail::kShort);
+  EXPECT_EQ(table.columns.back().key, "within_95_share_annotated");
+  EXPECT_THAT(table.notes.at(1), HasSubstr("added to what the method claims"));
+  EXPECT_THAT(table.notes.at(2), HasSubstr("err by 0.1732 m and 0.000 deg themselves"));
+  EXPECT_EQ(relationTable(scores, Detail::kFull).columns.end()[-2].key, "anees_annotated");
+}
+
 TEST(RelationTables, SayOfTheWorstWhenWhatAndHowFarOff) {
   const auto scores = scoreByRelations(runWith(kPath), kTwo);
   const auto table = worstRelationsTable(kTwo, scores, Detail::kShort);
