@@ -1,6 +1,7 @@
 #include "libslam/graph/graph_slam.h"
 #include "libslam/keyframes/matching.h"
-#include "libslam/keyframes/pose_error.h"
+#include "libslam/uncertainty/error_flow.h"
+#include "libslam/uncertainty/relative_error.h"
 
 /// How sure GraphSlam is of its poses in the end. From scan to scan: tracking::PoseUncertainty.
 namespace slam::graph {
@@ -10,7 +11,7 @@ using core::Pose2;
 std::vector<Eigen::Matrix3d> GraphSlam::covariances() const {
   std::vector<Eigen::Matrix3d> result;
   if (records_.empty()) return result;
-  const auto keyframes = map_->keyframeCovariances();
+  const auto keyframes = uncertainty::ErrorFlow(*map_).covariances();
   result.reserve(records_.size());
   for (const auto& record : records_) {
     const Pose2& T_map_keyframe = map_->pose(record.keyframe);
@@ -26,8 +27,8 @@ std::vector<Eigen::Matrix3d> GraphSlam::relativeCovariances(
     const std::vector<std::pair<int, int>>& scans) const {
   std::vector<Eigen::Matrix3d> result;
   if (scans.empty()) return result;
-  const keyframes::RelativeError error(*map_);
-  const auto hung = [&](int scan) -> keyframes::HungScan {
+  const uncertainty::RelativeError error(*map_);
+  const auto hung = [&](int scan) -> uncertainty::HungScan {
     const auto& record = records_[static_cast<size_t>(scan)];
     return {record.keyframe, record.T_keyframe_robot, record.drift_covariance.matrix()};
   };

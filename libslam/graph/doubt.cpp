@@ -251,6 +251,7 @@ void GraphSlam::loosen(int k) {
   map_->removeClosure(gap.from, k);
   gap.information = scanmatch::poseInformation(kGap_m, kGap_rad);
   map_->keyframes()[static_cast<size_t>(k)].odometry_edge = map_->graph().addEdge(gap);
+  map_->keyframes()[static_cast<size_t>(k)].inherited = {};
   uncertainty_.setCovariance(scanmatch::covarianceOf(gap.information));
 }
 

@@ -1,7 +1,7 @@
 #include "libslam/graph/graph_slam.h"
 #include "libslam/keyframes/matching.h"
-#include "libslam/keyframes/pose_error.h"
 #include "libslam/keyframes/search.h"
+#include "libslam/uncertainty/pose_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -126,10 +126,10 @@ int GraphSlam::addOdometryEdge(int k) {
 void GraphSlam::addKeyframe(const lidar::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
                             const Eigen::Matrix3d& information) {
   const int k = map_->graph().addNode(T_map_robot);
-  map_->keyframes().push_back({map_->scan(), scan, std::move(points), map_->path_m(), -1,
-                               tracker_.isFollowingWheels(), false, -1, Eigen::Matrix3d::Zero(),
-                               uncertainty_.noise(), uncertainty_.covariance(),
-                               scanmatch::rootOf(uncertainty_.covariance() + uncertainty_.noise())});
+  map_->keyframes().push_back(
+      {map_->scan(), scan, std::move(points), map_->path_m(), -1, tracker_.isFollowingWheels(), false, -1,
+       Eigen::Matrix3d::Zero(), uncertainty_.noise(), uncertainty_.covariance(),
+       scanmatch::rootOf(uncertainty_.covariance() + uncertainty_.noise()), uncertainty_.inheritance()});
   map_->links().addKeyframe();
   if (k == 0) {
     map_->graph().setFixed(0);
@@ -139,7 +139,7 @@ void GraphSlam::addKeyframe(const lidar::Scan& scan, std::vector<PatchPoint> poi
     // What was driven on known ground is no way from one to the other.
     if (anchor_ != k - 1) map_->addClosure(anchor_, k);
     addMatchEdges(k, T_map_robot, information);
-    keyframes::noteMatch(*map_, uncertainty_.evidence(), uncertainty_.least());
+    uncertainty::noteMatch(*map_, uncertainty_.evidence(), uncertainty_.least());
   }
   anchor_ = k;
   uncertainty_.beginKeyframe();

@@ -136,11 +136,12 @@ class KeyframeMap {
   // witnesses.cpp
   /// What is known of each keyframe from one other; and of a loop counts as much as one match tells.
   Witnesses witnesses() const;
+  /// Of all loops, those edges that are on.
+  std::vector<LoopEdge> loopEdges() const;
   /// How sure the way between two keyframes is, by its witnesses: covariance of b's x, y (m) and phi (rad) in
   /// a's frame. Loops count as they did when the map was settled. Cost: the keyframes on the way that came
   /// since, and two chains of an elimination tree.
   Eigen::Matrix3d wayCovariance(int a, int b) const;
-  std::vector<Eigen::Matrix3d> keyframeCovariances() const;
 
  private:
   GraphOptions options_;
@@ -166,6 +167,7 @@ class KeyframeMap {
   mutable std::int64_t asked_ = 0;
   Known knownFrom(int k) const;
   Eigen::Matrix3d stepCovariance(int k, const Known& known) const;
+  double loopVariance() const;
   std::shared_ptr<const posegraph::Marginals> settled_;  ///< of settle()
 };
 

@@ -11,6 +11,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/symmetric3.h"
 #include "libslam/keyframes/graph_options.h"
+#include "libslam/keyframes/inheritance.h"
 #include "libslam/lidar/scan.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/scanmatch/surfel_matcher.h"
@@ -31,12 +32,13 @@ struct Keyframe {
   int odometry_edge;                          ///< from the one that it was reached from
   bool unsure = false;                        ///< no scan is matched to it: see tracking::Tracker
   bool is_retired = false;                    ///< nor to this one, for ever; nothing of its scan is kept
-  // how sure its pose is: see pose_error.h
+  // how sure its pose is: see uncertainty::errorAfterMatch()
   int matched_to = -1;          ///< keyframe that saw first what it was matched to, most of it; -1: none
   Eigen::Matrix3d information;  ///< what is known of its pose from there; body frame
   Eigen::Matrix3d noise;        ///< of its pose against the map as it was; map frame, like those that follow
   Eigen::Matrix3d covariance;   ///< of its pose in the map
   Eigen::Matrix3d root;         ///< of the covariance with which what it saw first lies in the map; symmetric
+  Inheritance inherited;
 };
 /// None moves when one more comes.
 using Keyframes = std::deque<Keyframe>;
@@ -88,6 +90,12 @@ struct Witnesses {
   std::vector<Known> known;      ///< of each keyframe after the first
   std::vector<int> loop_begins;  ///< first edge of every loop
   double variance;               ///< times the covariance that a loop's edges claim
+};
+/// An edge that measures a loop, and the share of its information that it tells: a loop counts as much as one
+/// match, however many keyframes have confirmed it.
+struct LoopEdge {
+  size_t edge;
+  double share;
 };
 /// All keyframes' poses, found anew, and how sure they are.
 struct Settled {

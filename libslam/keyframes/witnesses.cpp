@@ -44,8 +44,37 @@ Witnesses KeyframeMap::witnesses() const {
   result.known.reserve(keyframes_.size());
   for (int k = 1; k < graph_.nodeCount(); ++k) result.known.push_back(knownFrom(k));
   result.loop_begins = loop_begins_;
-  result.variance = kBothViews * point_noise_.variance() * matchOptions(1).information_scale;
+  result.variance = loopVariance();
   return result;
+}
+
+namespace {
+
+std::vector<LoopEdge> loopEdgesOf(const posegraph::Edges& edges, const std::vector<int>& loop_begins,
+                                  double variance) {
+  std::vector<LoopEdge> result;
+  // A loop's edges were added in a row, some for each of its keyframes.
+  for (size_t loop = 0; loop < loop_begins.size(); ++loop) {
+    const auto first = static_cast<size_t>(loop_begins[loop]);
+    const auto end =
+        loop + 1 < loop_begins.size() ? static_cast<size_t>(loop_begins[loop + 1]) : edges.size();
+    const auto isOfLoop = [&](size_t i) { return i < end && edges[i].kind == posegraph::EdgeKind::kLoop; };
+    int confirmations = 0;
+    for (size_t i = first; isOfLoop(i); ++i) confirmations += i == first || edges[i].to != edges[i - 1].to;
+    for (size_t i = first; isOfLoop(i); ++i)
+      if (edges[i].on) result.push_back({i, 1 / (variance * confirmations)});
+  }
+  return result;
+}
+
+}  // namespace
+
+double KeyframeMap::loopVariance() const {
+  return kBothViews * point_noise_.variance() * matchOptions(1).information_scale;
+}
+
+std::vector<LoopEdge> KeyframeMap::loopEdges() const {
+  return loopEdgesOf(graph_.edges(), loop_begins_, loopVariance());
 }
 
 posegraph::PoseGraph witnessGraph(const posegraph::PoseGraph& graph, const std::vector<Pose2>& poses,
@@ -65,17 +94,8 @@ posegraph::PoseGraph witnessGraph(const posegraph::PoseGraph& graph, const std::
     edge.from = known.from, edge.to = k;
     add(edge, known.information);
   }
-  // A loop's edges were added in a row, some for each of its keyframes.
-  const auto& begins = witnesses.loop_begins;
-  for (size_t loop = 0; loop < begins.size(); ++loop) {
-    const auto first = static_cast<size_t>(begins[loop]);
-    const auto end = loop + 1 < begins.size() ? static_cast<size_t>(begins[loop + 1]) : edges.size();
-    const auto isOfLoop = [&](size_t i) { return i < end && edges[i].kind == posegraph::EdgeKind::kLoop; };
-    int confirmations = 0;
-    for (size_t i = first; isOfLoop(i); ++i) confirmations += i == first || edges[i].to != edges[i - 1].to;
-    for (size_t i = first; isOfLoop(i); ++i)
-      if (edges[i].on) add(edges[i], edges[i].information / (witnesses.variance * confirmations));
-  }
+  for (const LoopEdge& loop : loopEdgesOf(edges, witnesses.loop_begins, witnesses.variance))
+    add(edges[loop.edge], loop.share * edges[loop.edge].information);
   return result;
 }
 
@@ -83,11 +103,6 @@ std::vector<Eigen::Matrix3d> covariancesOf(const posegraph::Marginals& ways) {
   auto covariances = ways.all();
   for (auto& covariance : covariances) covariance = scanmatch::withoutNegatives(covariance, kLeastShare, 0);
   return covariances;
-}
-
-std::vector<Eigen::Matrix3d> KeyframeMap::keyframeCovariances() const {
-  return covariancesOf(posegraph::Marginals(witnessGraph(graph_, graph_.poses(), witnesses()),
-                                            posegraph::Marginals::Open::kBounded));
 }
 
 /// Of a keyframe against the one that it is known from; map frame.

@@ -5,10 +5,13 @@
 #include "libslam/core/error.h"
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/keyframes/matching.h"
-#include "libslam/keyframes/pose_error.h"
 #include "libslam/keyframes/search.h"
 #include "libslam/loops/loop_closer.h"
 #include "libslam/scanmatch/information.h"
+#include "libslam/uncertainty/error_flow.h"
+#include "libslam/uncertainty/inheriting.h"
+#include "libslam/uncertainty/pose_error.h"
+#include "libslam/uncertainty/relative_error.h"
 
 namespace slam::loops {
 
@@ -70,11 +73,11 @@ void TrackedPath::insert(const std::vector<lidar::Scan>& seen, const Placed& pla
   if (seen.size() > 1) others_[k].assign(seen.begin() + 1, seen.end());
   scanmatch::MatchEvidence evidence;
   if (!near.empty()) evidence = evidenceFrom(near, keyframe.points, placed);
-  keyframes::PoseError error{};
+  uncertainty::PoseError error{};
   if (k == 0)
     error.noise = error.covariance = Eigen::Matrix3d::Zero();
   else
-    error = errorOf(evidence, placed);
+    error = errorOf(evidence, placed, keyframe.inherited);
   keyframe.noise = error.noise, keyframe.covariance = error.covariance;
   keyframe.root = scanmatch::rootOf(error.covariance + error.noise);
   map_->graph().addNode(placed.T_map_robot);
@@ -90,7 +93,7 @@ void TrackedPath::insert(const std::vector<lidar::Scan>& seen, const Placed& pla
     const Pose2& T = placed.T_map_robot;
     const auto partners = map_->partnersOf(k, near, T);
     map_->tie(k, partners, T, keyframes::toldInformation(evidence), static_cast<double>(partners.size()));
-    keyframes::noteMatch(*map_, evidence, error.least);
+    uncertainty::noteMatch(*map_, evidence, error.least);
   }
   anchor_ = k;
   T_anchor_robot_ = {};
@@ -114,14 +117,19 @@ scanmatch::MatchEvidence TrackedPath::evidenceFrom(const std::vector<int>& near,
 }
 
 /// As if the scan had been matched with the motion since the last call as its prior.
-keyframes::PoseError TrackedPath::errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed) {
+uncertainty::PoseError TrackedPath::errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed,
+                                            keyframes::Inheritance& inherited) {
   const Pose2 T_before = map_->pose(anchor_) * T_anchor_robot_;
   const Eigen::Matrix3d odometry = scanmatch::turned(placed.odometry_covariance, -T_before.phi);
   const Eigen::Matrix3d posterior = keyframes::matchOptions(1).information_scale * evidence.information() +
                                     scanmatch::covarianceOf(odometry);
-  keyframes::PoseError error =
-      keyframes::errorAfterMatch(*map_, evidence, posterior, placed.T_map_robot,
-                                 {T_before, map_->keyframe(anchor_).covariance, odometry});
+  uncertainty::PoseError error =
+      uncertainty::errorAfterMatch(*map_, evidence, posterior, placed.T_map_robot,
+                                   {T_before, map_->keyframe(anchor_).covariance, odometry});
+  uncertainty::Inheriting inheriting;
+  inheriting.carryOn(error, keyframes::moved(core::position(T_before), core::position(placed.T_map_robot)),
+                     odometry);
+  inherited = inheriting.of(evidence);
   // The first keyframe lies where it lies; what it saw does not.
   if (map_->size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(error.noise);
   return error;
@@ -164,14 +172,14 @@ std::vector<Pose2> TrackedPath::poses() const {
 }
 
 std::vector<Eigen::Matrix3d> TrackedPath::covariances() const {
-  return size() == 0 ? std::vector<Eigen::Matrix3d>{} : map_->keyframeCovariances();
+  return size() == 0 ? std::vector<Eigen::Matrix3d>{} : uncertainty::ErrorFlow(*map_).covariances();
 }
 
 std::vector<Eigen::Matrix3d> TrackedPath::relativeCovariances(
-    const std::vector<std::pair<keyframes::HungScan, keyframes::HungScan>>& scans) const {
+    const std::vector<std::pair<uncertainty::HungScan, uncertainty::HungScan>>& scans) const {
   std::vector<Eigen::Matrix3d> result;
   if (scans.empty()) return result;
-  const keyframes::RelativeError error(*map_);
+  const uncertainty::RelativeError error(*map_);
   result.reserve(scans.size());
   for (const auto& [first, second] : scans) result.push_back(error.covariance(first, second));
   return result;

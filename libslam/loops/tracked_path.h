@@ -15,9 +15,12 @@
 
 namespace slam::keyframes {
 class KeyframeMap;
+struct Inheritance;
+}  // namespace slam::keyframes
+namespace slam::uncertainty {
 struct HungScan;
 struct PoseError;
-}  // namespace slam::keyframes
+}  // namespace slam::uncertainty
 
 namespace slam::loops {
 
@@ -64,10 +67,10 @@ class TrackedPath {
   std::vector<core::Pose2> poses() const;
   /// Of all poses, by all that is known now.
   std::vector<Eigen::Matrix3d> covariances() const;
-  /// How sure scans that hang on keyframes are of one another, see keyframes::RelativeError: of each pair's
+  /// How sure scans that hang on keyframes are of one another, see uncertainty::RelativeError: of each pair's
   /// second one in the frame of the first. REQUIRES a keyframe, or no pair.
   std::vector<Eigen::Matrix3d> relativeCovariances(
-      const std::vector<std::pair<keyframes::HungScan, keyframes::HungScan>>& scans) const;
+      const std::vector<std::pair<uncertainty::HungScan, uncertainty::HungScan>>& scans) const;
   /// By all lidars.
   std::vector<lidar::Scan> seen(int keyframe) const;
   /// The tracker has changed its mind: what was matched to other keyframes was matched from here. For
@@ -84,7 +87,8 @@ class TrackedPath {
   bool isKnownGround(const lidar::Scan& scan, const core::Pose2& T_map_robot,
                      const std::vector<int>& near) const;
   void insert(const std::vector<lidar::Scan>& seen, const Placed& placed, const std::vector<int>& near);
-  keyframes::PoseError errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed);
+  uncertainty::PoseError errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed,
+                                 keyframes::Inheritance& inherited);
   void addOdometryEdge(int keyframe, const Placed& placed);
 
   std::unique_ptr<keyframes::KeyframeMap> map_;

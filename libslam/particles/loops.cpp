@@ -3,9 +3,9 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/keyframes/matching.h"
-#include "libslam/keyframes/pose_error.h"
 #include "libslam/particles/particle_filter.h"
 #include "libslam/scanmatch/information.h"
+#include "libslam/uncertainty/relative_error.h"
 
 namespace slam::particles {
 namespace {
@@ -145,12 +145,12 @@ std::vector<Eigen::Matrix3d> ParticleFilter::relativeCovariances(
     const std::vector<std::pair<int, int>>& scans) const {
   if (past_->size() == 0) return {};
   const core::Trajectory poses = path();
-  const auto hung = [&](int scan) -> keyframes::HungScan {
+  const auto hung = [&](int scan) -> uncertainty::HungScan {
     const auto i = static_cast<size_t>(scan);
     const int k = keyframeOf(i);
     return {k, core::between(past_->pose(k), rasterFromMap() * poses.at(i).pose), drifts_.at(i).covariance};
   };
-  std::vector<std::pair<keyframes::HungScan, keyframes::HungScan>> pairs;
+  std::vector<std::pair<uncertainty::HungScan, uncertainty::HungScan>> pairs;
   pairs.reserve(scans.size());
   for (const auto& [first, second] : scans) pairs.emplace_back(hung(first), hung(second));
   return past_->relativeCovariances(pairs);

@@ -1,9 +1,9 @@
 #include "libslam/tracking/pose_uncertainty.h"
 
 #include "libslam/keyframes/matching.h"
-#include "libslam/keyframes/pose_error.h"
 #include "libslam/keyframes/search.h"
 #include "libslam/scanmatch/information.h"
+#include "libslam/uncertainty/pose_error.h"
 
 namespace slam::tracking {
 
@@ -17,22 +17,27 @@ void PoseUncertainty::noteEvidence(const std::vector<scanmatch::PatchPoint>& poi
 
 void PoseUncertainty::carryOn(const Expected& e, const scanmatch::MatchResult& result,
                               const std::optional<Eigen::Matrix3d>& noise) {
-  const Eigen::Matrix3d Q =
+  const Pose2& T = result.T_map_robot;
+  const Eigen::Matrix3d assumed =
       scanmatch::covarianceOf(scanmatch::poseInformation(e.step.sigma_xy_m, e.step.sigma_turn_rad));
-  const keyframes::PoseError error = keyframes::errorAfterMatch(
-      *map_, evidence_, result.posterior_information, result.T_map_robot, {e.T_before, covariance_, Q});
-  noise_ = error.noise, least_ = error.least, covariance_ = error.covariance;
+  uncertainty::PoseError error = uncertainty::errorAfterMatch(*map_, evidence_, result.posterior_information,
+                                                              T, {e.T_before, covariance_, assumed});
   beyond_.setZero();
   if (noise) {
     beyond_ = scanmatch::withoutNegatives(*noise - error.noise, 0, 0);
-    noise_ += beyond_, least_ += beyond_, covariance_ += beyond_;
+    error.noise += beyond_, error.least += beyond_, error.covariance += beyond_;
   }
+  const Eigen::Matrix3d since = keyframes::moved(core::position(e.T_before), core::position(T));
+  step_variance_.add(
+      {T.x - e.predicted.x, T.y - e.predicted.y, core::angleDifference(T.phi, e.predicted.phi)},
+      Eigen::Matrix3d::Identity() - error.stays, assumed, error.noise, noise_);
+  const Eigen::Matrix3d odometry = step_variance_.of(assumed);
+  noise_ = error.noise, least_ = error.least, covariance_ = error.covariance;
   if (map_->keyframes().size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(noise_);
-  const Eigen::Matrix3d since =
-      keyframes::moved(core::position(e.T_before), core::position(result.T_map_robot));
   from_keyframe_ = scanmatch::withoutNegatives(
-      error.stays * (since * from_keyframe_ * since.transpose() + Q) * error.stays.transpose(),
+      error.stays * (since * from_keyframe_ * since.transpose() + odometry) * error.stays.transpose(),
       keyframes::kLeastShare, 0);
+  inheriting_.carryOn(error, since, odometry);
 }
 
 Eigen::Matrix3d PoseUncertainty::toldInformation() const {

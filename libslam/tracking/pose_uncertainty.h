@@ -5,7 +5,9 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/keyframes/keyframe_map.h"
+#include "libslam/tracking/step_variance.h"
 #include "libslam/tracking/tracker.h"
+#include "libslam/uncertainty/inheriting.h"
 
 namespace slam::tracking {
 
@@ -33,10 +35,12 @@ class PoseUncertainty {
   Eigen::Matrix3d sinceKeyframe(int keyframe) const;
 
   /// The robot is where it is told to be.
-  void restart() { covariance_.setZero(), from_keyframe_.setZero(); }
+  void restart() { covariance_.setZero(), from_keyframe_.setZero(), inheriting_.beginKeyframe(); }
   /// The robot's pose became a keyframe's, or another keyframe tells it now.
-  void beginKeyframe() { from_keyframe_.setZero(); }
-  void hangOnKeyframe() { from_keyframe_ = noise_; }
+  void beginKeyframe() { from_keyframe_.setZero(), inheriting_.beginKeyframe(); }
+  void hangOnKeyframe() { from_keyframe_ = noise_, inheriting_.beginKeyframe(); }
+  /// Of a keyframe at the scan at hand.
+  keyframes::Inheritance inheritance() const { return inheriting_.of(evidence_); }
   void setCovariance(const Eigen::Matrix3d& covariance) { covariance_ = covariance; }
   /// What the scan at hand saw is of a place where the robot is not.
   void forgetViews() { evidence_.by_view.clear(); }
@@ -51,6 +55,8 @@ class PoseUncertainty {
  private:
   keyframes::KeyframeMap* map_;
   scanmatch::MatchEvidence evidence_;
+  StepVariance step_variance_;
+  uncertainty::Inheriting inheriting_;
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d from_keyframe_ = Eigen::Matrix3d::Zero();  ///< by odometry alone, since the keyframe
   Eigen::Matrix3d noise_ = Eigen::Matrix3d::Zero(), least_ = Eigen::Matrix3d::Zero();

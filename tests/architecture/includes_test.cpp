@@ -61,12 +61,13 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"odometry", {"core", "files", "lidar", "robot"}},
     {"wheels", {"core"}},
     {"keyframes", {"core", "threads", "files", "lidar", "scanmatch", "posegraph"}},
-    {"tracking", {"core", "lidar", "scanmatch", "odometry", "wheels", "keyframes"}},
-    {"loops", {"core", "threads", "lidar", "scanmatch", "posegraph", "keyframes"}},
-    {"graph", {"core", "lidar", "scanmatch", "posegraph", "keyframes", "tracking", "loops"}},
+    {"uncertainty", {"core", "scanmatch", "sparse", "posegraph", "keyframes"}},
+    {"tracking", {"core", "lidar", "scanmatch", "odometry", "wheels", "keyframes", "uncertainty"}},
+    {"loops", {"core", "threads", "lidar", "scanmatch", "posegraph", "keyframes", "uncertainty"}},
+    {"graph", {"core", "lidar", "scanmatch", "posegraph", "keyframes", "uncertainty", "tracking", "loops"}},
     {"particles",
-     {"core", "threads", "files", "lidar", "gridmap", "scanmatch", "keyframes", "tracking", "loops",
-      "wheels"}},
+     {"core", "threads", "files", "lidar", "gridmap", "scanmatch", "keyframes", "uncertainty", "tracking",
+      "loops", "wheels"}},
     {"builders", {"core", "files", "lidar", "robot", "graph", "particles"}},
     {"methods", {"core", "files", "lidar", "gridmap", "odometry", "loops", "builders"}},
     {"mapping",
@@ -179,9 +180,10 @@ TEST(Includes, EveryIncludeOfOursNamesAFile) {
 
 TEST(Includes, TheTableHoldsTheTruthWall) {
   for (const std::string robot_side :
-       {"gridmap",  "scanmatch", "sparse",     "posegraph", "certified", "obstacles", "safety", "paths",
-        "goals",    "choices",   "strategies", "navigate",  "mrptnav",   "odometry",  "wheels", "keyframes",
-        "tracking", "loops",     "graph",      "particles", "builders",  "methods",   "mapping"})
+       {"gridmap", "scanmatch", "sparse",    "posegraph", "certified",   "obstacles",
+        "safety",  "paths",     "goals",     "choices",   "strategies",  "navigate",
+        "mrptnav", "odometry",  "wheels",    "keyframes", "uncertainty", "tracking",
+        "loops",   "graph",     "particles", "builders",  "methods",     "mapping"})
     for (const std::string truth_side :
          {"world",  "rays",     "buildings", "drafting", "check",   "movers",  "sim",    "metrics",
           "oracle", "draw",     "pictures",  "report",   "process", "truth",   "record", "results",

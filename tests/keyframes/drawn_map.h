@@ -25,6 +25,10 @@ inline scanmatch::PatchPoint pointAt(double x, double y) {
   return {static_cast<float>(x), static_cast<float>(y), 0.01F, 0};
 }
 
+inline Eigen::Matrix3d diagonal(double x, double y, double phi) {
+  return Eigen::Vector3d(x, y, phi).asDiagonal();
+}
+
 /// A keyframe there, which has driven so far and was reached from `before`; -1: it begins the map.
 inline int addKeyframe(KeyframeMap& map, const core::Pose2& T_map_robot, const lidar::Scan& seen,
                        double path_m, int before) {

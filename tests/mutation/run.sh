@@ -54,6 +54,7 @@ tests_of() {
     drafting) echo check ;;
     keyframes) echo "keyframes graph" ;;
     loops) echo "loops graph" ;;
+    uncertainty) echo "uncertainty graph" ;;
     tracking) echo "tracking graph" ;;
     particles) echo "particles mapping" ;;
     choices | strategies | safety) echo "$1 navigate" ;;

@@ -1,15 +1,19 @@
-#include "libslam/keyframes/pose_error.h"
+#include "libslam/uncertainty/pose_error.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "libslam/core/elementary.h"
 #include "libslam/keyframes/matching.h"
-#include "libslam/posegraph/marginals.h"
 #include "libslam/scanmatch/information.h"
 
-namespace slam::keyframes {
+namespace slam::uncertainty {
+
+using keyframes::Keyframe;
+using keyframes::KeyframeMap;
+using keyframes::kLeastShare;
+using keyframes::moved;
+
 namespace {
 
 /// The covariance, but in no direction less than the other one, which is positive definite.
@@ -25,10 +29,11 @@ PoseError errorAfterMatch(const KeyframeMap& map, const scanmatch::MatchEvidence
                           const Eigen::Matrix3d& posterior_information, const core::Pose2& T_map_robot,
                           const Before& before) {
   const core::Point2 here = core::position(T_map_robot);
-  const double scale = matchOptions(1).information_scale;
+  const double scale = keyframes::matchOptions(1).information_scale;
   const Eigen::Matrix3d S = scale * scanmatch::covarianceOf(posterior_information);
   const Eigen::Matrix3d H = evidence.information();
   PoseError error;
+  error.gain = S;
   error.noise = scanmatch::withoutNegatives(map.pointNoise().variance() * S * H * S, 0, 0);
   const bool is_of_first = map.size() == 1;
   Eigen::Matrix3d root = Eigen::Matrix3d::Zero();
@@ -61,40 +66,4 @@ void noteMatch(KeyframeMap& map, const scanmatch::MatchEvidence& evidence, const
   newest.information = scanmatch::turned(scanmatch::covarianceOf(atLeast(grown, least)), T.phi);
 }
 
-namespace {
-
-/// Takes a turn about the origin, and a shift, into axes turned by phi: (x, y) is where the turn shows.
-Eigen::Matrix3d moves(double x, double y, double phi) {
-  const auto [s, c] = core::sinCos(phi);
-  Eigen::Matrix3d J;
-  J << c, s, x, -s, c, y, 0, 0, 1;
-  return J;
-}
-
-}  // namespace
-
-RelativeError::RelativeError(const KeyframeMap& map)
-    : map_(map),
-      keyframes_(std::make_shared<posegraph::Marginals>(
-          witnessGraph(map.graph(), map.graph().poses(), map.witnesses()),
-          posegraph::Marginals::Open::kBounded)) {}
-
-Eigen::Matrix3d RelativeError::covariance(const HungScan& a, const HungScan& b) const {
-  const core::Pose2 T_map_a = map_.pose(a.keyframe) * a.T_keyframe_robot,
-                    T_map_b = map_.pose(b.keyframe) * b.T_keyframe_robot,
-                    T_a_b = core::between(T_map_a, T_map_b);
-  // A turn of the first keyframe's view of the second carries b with it.
-  const core::Pose2 T_keyframes = core::between(map_.pose(a.keyframe), map_.pose(b.keyframe));
-  const auto [s, c] = core::sinCos(core::wrapToPi(T_keyframes.phi - a.T_keyframe_robot.phi));
-  const double x = c * b.T_keyframe_robot.x - s * b.T_keyframe_robot.y,
-               y = s * b.T_keyframe_robot.x + c * b.T_keyframe_robot.y;
-  const Eigen::Matrix3d J = moves(-y, x, a.T_keyframe_robot.phi), J_b = moves(0, 0, T_map_a.phi),
-                        J_a = moves(-T_a_b.y, T_a_b.x, T_map_a.phi);
-  Eigen::Matrix3d covariance =
-      J_a * a.drift_covariance * J_a.transpose() + J_b * b.drift_covariance * J_b.transpose();
-  if (a.keyframe != b.keyframe)
-    covariance += J * keyframes_->relative(a.keyframe, b.keyframe) * J.transpose();
-  return scanmatch::withoutNegatives(covariance, kLeastShare, 0);
-}
-
-}  // namespace slam::keyframes
+}  // namespace slam::uncertainty

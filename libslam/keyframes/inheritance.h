@@ -1,0 +1,24 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "libslam/core/symmetric3.h"
+
+namespace slam::keyframes {
+
+/// Where a keyframe's error comes from. It was matched to surfaces that earlier keyframes saw first, and
+/// takes over what those err by, in the share that each held the match; the rest is of the pose before; and
+/// something is new. Map frame, x, y (m), phi (rad).
+struct Inheritance {
+  struct View {
+    int keyframe;                  ///< that saw the surfaces first
+    core::Symmetric3 information;  ///< of the match by them, as if points were independent
+  };
+  std::vector<View> views;  ///< those that told most, kMostViews at most
+  /// Times a view's information: the share of its error that is taken over.
+  Eigen::Matrix3d gain = Eigen::Matrix3d::Zero();
+  core::Symmetric3 own;  ///< covariance of what is new; zero: all that is known is odometry's edge
+  static constexpr int kMostViews = 4;
+};
+
+}  // namespace slam::keyframes

@@ -1,0 +1,168 @@
+#include "libslam/uncertainty/error_flow.h"
+
+#include <cmath>
+#include <utility>
+
+#include "libslam/core/error.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/posegraph/marginals.h"
+#include "libslam/scanmatch/information.h"
+
+namespace slam::uncertainty {
+namespace {
+
+using core::position;
+using Eigen::Matrix3d;
+using keyframes::Inheritance;
+using keyframes::KeyframeMap;
+using keyframes::kLeastShare;
+using keyframes::LoopEdge;
+using keyframes::moved;
+
+/// Where something is open the equations are raised by the least share of their diagonal that gives an
+/// answer.
+constexpr double kFirstDamping = 1e-14;
+/// What is new in a keyframe is at least this share of its largest direction, and so much (m^2, rad^2).
+constexpr double kLeastOwnShare = 1e-9, kLeastOwn = 1e-12;
+
+/// A root of the information: one times its transpose. The same surfaces give the same root, whatever
+/// keyframe is matched to them.
+Matrix3d rootOfInformation(const Matrix3d& information) {
+  const double of_position = information.topLeftCorner<2, 2>().trace();
+  if (!(of_position > 0)) return Matrix3d::Zero();
+  const double length_m = std::sqrt(2 * information(2, 2) / of_position);
+  if (!(length_m > 0)) return scanmatch::rootOf(information);
+  // In equal units, so that the root does not mix them.
+  const Matrix3d unit = Eigen::Vector3d(1, 1, 1 / length_m).asDiagonal(),
+                 back = Eigen::Vector3d(1, 1, length_m).asDiagonal();
+  return back * scanmatch::rootOf(unit * information * unit);
+}
+
+}  // namespace
+
+ErrorFlow::ErrorFlow(const KeyframeMap& map) : poses_(map.graph().poses()) {
+  numberUnknowns(map);
+  std::vector<Equation> equations;
+  for (int k = 0; k < map.size(); ++k) {
+    if (pose_[static_cast<size_t>(k)] >= 0) equations.push_back(inherited(map, k));
+    Equation noise{{}, Matrix3d::Identity()};
+    addPart(noise, seen_first_[static_cast<size_t>(k)], Matrix3d::Identity());
+    if (!noise.parts.empty()) equations.push_back(std::move(noise));
+  }
+  addLoops(map, equations);
+  factorize(equations);
+}
+
+void ErrorFlow::numberUnknowns(const KeyframeMap& map) {
+  std::vector<char> is_view(poses_.size(), 0);
+  for (const auto& keyframe : map.keyframes())
+    for (const auto& view : keyframe.inherited.views) is_view[static_cast<size_t>(view.keyframe)] = 1;
+  pose_.assign(poses_.size(), -1), seen_first_.assign(poses_.size(), -1);
+  for (size_t k = 0; k < poses_.size(); ++k) {
+    if (k > 0) pose_[k] = unknowns_++;
+    if (is_view[k]) seen_first_[k] = unknowns_++;
+  }
+}
+
+void ErrorFlow::addPart(Equation& equation, int unknown, const Matrix3d& factor) {
+  if (unknown >= 0) equation.parts.push_back({unknown, factor});
+}
+
+/// That a keyframe errs by what it has inherited, and something new.
+ErrorFlow::Equation ErrorFlow::inherited(const KeyframeMap& map, int k) const {
+  const Inheritance& from = map.keyframe(k).inherited;
+  const core::Point2 here = position(map.pose(k));
+  const posegraph::Edge& step = map.graph().edges()[static_cast<size_t>(map.keyframe(k).odometry_edge)];
+  const auto unknownOf = [](const std::vector<int>& of, int keyframe) {
+    return of[static_cast<size_t>(keyframe)];
+  };
+  Equation equation;
+  addPart(equation, unknownOf(pose_, k), Matrix3d::Identity());
+  Matrix3d left = Matrix3d::Identity();
+  if (from.own.isZero()) {
+    equation.information = scanmatch::turned(step.information, -map.pose(k).phi);
+  } else {
+    equation.information =
+        scanmatch::covarianceOf(scanmatch::withoutNegatives(from.own.matrix(), kLeastOwnShare, kLeastOwn));
+    const double noise = std::sqrt(map.pointNoise().variance());
+    for (const auto& view : from.views) {
+      const Matrix3d J = moved(position(map.pose(view.keyframe)), here), H = view.information.matrix();
+      const Matrix3d share = from.gain * H;
+      left -= share;
+      addPart(equation, unknownOf(pose_, view.keyframe), -share * J);
+      // Of the view's points: their information is the inverse of what they err by.
+      const Matrix3d root = rootOfInformation(J.transpose() * H * J);
+      addPart(equation, unknownOf(seen_first_, view.keyframe),
+              -noise * from.gain * moved(here, position(map.pose(view.keyframe))).transpose() * root);
+    }
+  }
+  addPart(equation, unknownOf(pose_, step.from), -left * moved(position(map.pose(step.from)), here));
+  return equation;
+}
+
+void ErrorFlow::addLoops(const KeyframeMap& map, std::vector<Equation>& equations) const {
+  const auto& edges = map.graph().edges();
+  for (const LoopEdge& one : map.loopEdges()) {
+    const posegraph::Edge& edge = edges[one.edge];
+    Equation equation;
+    equation.information = one.share * scanmatch::turned(edge.information, -map.pose(edge.to).phi);
+    addPart(equation, pose_[static_cast<size_t>(edge.to)], Matrix3d::Identity());
+    addPart(equation, pose_[static_cast<size_t>(edge.from)],
+            -moved(position(map.pose(edge.from)), position(map.pose(edge.to))));
+    equations.push_back(std::move(equation));
+  }
+}
+
+void ErrorFlow::factorize(const std::vector<Equation>& equations) {
+  std::vector<std::pair<int, int>> blocks;
+  const auto forEachPair = [&equations](const auto& use) {
+    for (const Equation& equation : equations)
+      for (size_t i = 0; i < equation.parts.size(); ++i)
+        for (size_t j = 0; j < i; ++j) use(equation, equation.parts[i], equation.parts[j]);
+  };
+  forEachPair([&](const Equation&, const Part& a, const Part& b) {
+    if (a.unknown != b.unknown) blocks.emplace_back(a.unknown, b.unknown);
+  });
+  cholesky_.analyse(unknowns_, blocks);
+  cholesky_.setZero();
+  for (const Equation& equation : equations)
+    for (const Part& part : equation.parts)
+      cholesky_.addDiagonal(part.unknown, part.factor.transpose() * equation.information * part.factor);
+  int block = 0;
+  forEachPair([&](const Equation& equation, const Part& a, const Part& b) {
+    const Matrix3d both = a.factor.transpose() * equation.information * b.factor;
+    if (a.unknown != b.unknown)
+      cholesky_.addBlock(block++, both);
+    else
+      cholesky_.addDiagonal(a.unknown, both + both.transpose());
+  });
+  bool is_done = cholesky_.factorize();
+  for (double damping = kFirstDamping; !is_done && damping < 1; damping *= 10)
+    is_done = cholesky_.factorize(damping);
+  if (!is_done)
+    throw core::MethodError("map: its keyframes do not determine one another; there is no covariance");
+}
+
+std::vector<Matrix3d> ErrorFlow::covariances() const {
+  const auto of_unknowns = cholesky_.sparseInverse().diagonal;
+  std::vector<Matrix3d> result(pose_.size(), Matrix3d::Zero());
+  for (size_t k = 0; k < result.size(); ++k)
+    if (pose_[k] >= 0)
+      result[k] = scanmatch::withoutNegatives(of_unknowns[static_cast<size_t>(pose_[k])], kLeastShare, 0);
+  return result;
+}
+
+Matrix3d ErrorFlow::relative(int a, int b) const {
+  const auto halfColumn = [this](int k) {
+    const int unknown = pose_[static_cast<size_t>(k)];
+    return unknown < 0 ? sparse::BlockCholesky::HalfColumn() : cholesky_.halfColumn(unknown);
+  };
+  const auto of_a = halfColumn(a), of_b = halfColumn(b);
+  const Matrix3d ab = sparse::BlockCholesky::inverseBlock(of_a, of_b);
+  Eigen::Matrix<double, 6, 6> joint;
+  joint << sparse::BlockCholesky::inverseBlock(of_a, of_a), ab, ab.transpose(),
+      sparse::BlockCholesky::inverseBlock(of_b, of_b);
+  return posegraph::relativeCovariance(joint, poses_[static_cast<size_t>(a)], poses_[static_cast<size_t>(b)]);
+}
+
+}  // namespace slam::uncertainty

@@ -1,0 +1,51 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "libslam/keyframes/keyframe_map.h"
+#include "libslam/sparse/block_cholesky.h"
+
+namespace slam::uncertainty {
+
+/// How the errors of a map's keyframes hang together, by all that is known when this is made: each one's is
+/// what it has inherited, and something new (see keyframes::Inheritance). What a keyframe saw first lies in
+/// the map with its pose's error and the noise of its own points, which all that are matched to it share;
+/// what two such matches say of the keyframes before is counted as nothing, as a filter has no second
+/// thoughts. Loops are measurements of the way between their ends.
+///
+/// So the errors are a sparse linear system, of two unknowns a keyframe: its pose, and the noise of what it
+/// saw first. Cost: one factorisation; memory: some kB a keyframe. A snapshot: later changes of the map do
+/// not reach it. What is open has a large variance, as posegraph::Marginals have it with Open::kBounded. For
+/// the rooms of graph SLAM only.
+class ErrorFlow {
+ public:
+  /// Errors: MethodError when rounding leaves no factor.
+  explicit ErrorFlow(const keyframes::KeyframeMap& map);
+  /// Of each keyframe's x, y (m) and phi (rad) in the map; zero for the first.
+  std::vector<Eigen::Matrix3d> covariances() const;
+  /// Of b's pose in a's frame. Cost: two chains of an elimination tree.
+  Eigen::Matrix3d relative(int a, int b) const;
+
+ private:
+  struct Part {
+    int unknown;
+    Eigen::Matrix3d factor;
+  };
+  /// The sum of factors times unknowns is zero give or take a covariance.
+  struct Equation {
+    std::vector<Part> parts;
+    Eigen::Matrix3d information;
+  };
+  void numberUnknowns(const keyframes::KeyframeMap& map);
+  Equation inherited(const keyframes::KeyframeMap& map, int k) const;
+  void addLoops(const keyframes::KeyframeMap& map, std::vector<Equation>& equations) const;
+  void factorize(const std::vector<Equation>& equations);
+  static void addPart(Equation& equation, int unknown, const Eigen::Matrix3d& factor);
+
+  std::vector<core::Pose2> poses_;
+  std::vector<int> pose_, seen_first_;  ///< unknown of each keyframe; -1: none
+  int unknowns_ = 0;
+  sparse::BlockCholesky cholesky_;
+};
+
+}  // namespace slam::uncertainty
