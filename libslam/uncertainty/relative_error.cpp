@@ -34,7 +34,13 @@ Eigen::Matrix3d RelativeError::covariance(const HungScan& a, const HungScan& b) 
                         J_a = moves(-T_a_b.y, T_a_b.x, T_map_a.phi);
   Eigen::Matrix3d covariance =
       J_a * a.drift_covariance * J_a.transpose() + J_b * b.drift_covariance * J_b.transpose();
-  if (a.keyframe != b.keyframe) covariance += J * flow_->relative(a.keyframe, b.keyframe) * J.transpose();
+  if (a.keyframe != b.keyframe) {
+    covariance += J * flow_->relative(a.keyframe, b.keyframe) * J.transpose();
+  } else {
+    // Each has its own match's noise, as large as the keyframe's.
+    const Eigen::Matrix3d& noise = map_.keyframe(a.keyframe).noise;
+    covariance += J_a * noise * J_a.transpose() + J_b * noise * J_b.transpose();
+  }
   return scanmatch::withoutNegatives(covariance, keyframes::kLeastShare, 0);
 }
 
