@@ -18,6 +18,9 @@ struct Inheritance {
   /// Times a view's information: the share of its error that is taken over.
   Eigen::Matrix3d gain = Eigen::Matrix3d::Zero();
   core::Symmetric3 own;  ///< covariance of what is new; zero: all that is known is odometry's edge
+  /// What it sees itself errs by so many standard deviations of a point's noise: of a spinning lidar by more
+  /// than one, since how the robot moved in its sweep is not known exactly.
+  double points_err = 1;
   static constexpr int kMostViews = 4;
 };
 

@@ -126,6 +126,7 @@ uncertainty::PoseError TrackedPath::errorOf(const scanmatch::MatchEvidence& evid
   uncertainty::PoseError error =
       uncertainty::errorAfterMatch(*map_, evidence, posterior, placed.T_map_robot,
                                    {T_before, map_->keyframe(anchor_).covariance, odometry});
+  if (placed.noise) raiseNoise(error, *placed.noise);
   uncertainty::Inheriting inheriting;
   inheriting.carryOn(error, keyframes::moved(core::position(T_before), core::position(placed.T_map_robot)),
                      odometry);

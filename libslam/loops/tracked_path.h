@@ -47,6 +47,7 @@ class TrackedPath {
     bool is_matched;                      ///< to what the keyframes around it have drawn
     bool is_explained;                    ///< they explain it
     std::optional<core::Point2> open;     ///< unit vector in the map: the match said nothing along it
+    std::optional<Eigen::Matrix3d> noise = {};  ///< of the pose against the map, where more than matches tell
   };
   /// The next scan; it was taken so far from the one before. Journal entries refer to scans, counted from 0.
   void nextScan(double moved_m);

@@ -41,6 +41,7 @@ void ParticleFilter::alignKeyframes(int newest_scan) {
 void ParticleFilter::keepKeyframe(const std::vector<lidar::Scan>& seen, bool is_matched) {
   alignKeyframes(static_cast<int>(scans_));
   loops::TrackedPath::Placed placed;
+  if (!sweep_covariance_.isZero()) placed.noise = sweep_covariance_;
   placed.T_map_robot = particles_[best_].T_raster_robot;
   placed.T_before_robot = since_keyframe_.T_previous_robot;
   placed.odometry_covariance = since_keyframe_.covariance;

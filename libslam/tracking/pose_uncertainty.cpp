@@ -22,11 +22,8 @@ void PoseUncertainty::carryOn(const Expected& e, const scanmatch::MatchResult& r
       scanmatch::covarianceOf(scanmatch::poseInformation(e.step.sigma_xy_m, e.step.sigma_turn_rad));
   uncertainty::PoseError error = uncertainty::errorAfterMatch(*map_, evidence_, result.posterior_information,
                                                               T, {e.T_before, covariance_, assumed});
-  beyond_.setZero();
-  if (noise) {
-    beyond_ = scanmatch::withoutNegatives(*noise - error.noise, 0, 0);
-    error.noise += beyond_, error.least += beyond_, error.covariance += beyond_;
-  }
+  if (noise) raiseNoise(error, *noise);
+  beyond_ = error.beyond;
   const Eigen::Matrix3d since = keyframes::moved(core::position(e.T_before), core::position(T));
   step_variance_.add(
       {T.x - e.predicted.x, T.y - e.predicted.y, core::angleDifference(T.phi, e.predicted.phi)},

@@ -92,8 +92,9 @@ ErrorFlow::Equation ErrorFlow::inherited(const KeyframeMap& map, int k) const {
       addPart(equation, unknownOf(pose_, view.keyframe), -share * J);
       // Of the view's points: their information is the inverse of what they err by.
       const Matrix3d root = rootOfInformation(J.transpose() * H * J);
+      const double points_err = noise * map.keyframe(view.keyframe).inherited.points_err;
       addPart(equation, unknownOf(seen_first_, view.keyframe),
-              -noise * from.gain * moved(here, position(map.pose(view.keyframe))).transpose() * root);
+              -points_err * from.gain * moved(here, position(map.pose(view.keyframe))).transpose() * root);
     }
   }
   addPart(equation, unknownOf(pose_, step.from), -left * moved(position(map.pose(step.from)), here));

@@ -1,6 +1,7 @@
 #include "libslam/uncertainty/inheriting.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "libslam/keyframes/matching.h"
 #include "libslam/scanmatch/information.h"
@@ -14,12 +15,15 @@ void Inheriting::carryOn(const PoseError& match, const Eigen::Matrix3d& since,
              match.stays * (since * own_ * since.transpose() + odometry) * match.stays.transpose(),
              keyframes::kLeastShare, 0) +
          match.noise;
+  const double of_points = (match.noise - match.beyond).topLeftCorner<2, 2>().trace();
+  points_err_ = of_points > 0 ? std::sqrt(match.noise.topLeftCorner<2, 2>().trace() / of_points) : 1;
 }
 
 keyframes::Inheritance Inheriting::of(const scanmatch::MatchEvidence& evidence) const {
   keyframes::Inheritance result;
   result.gain = gain_;
   result.own = own_;
+  result.points_err = points_err_;
   for (const auto& view : evidence.by_view)
     result.views.push_back({view.view, scanmatch::withoutNegatives(view.information, 0, 0)});
   const auto ofPosition = [](const keyframes::Inheritance::View& view) {

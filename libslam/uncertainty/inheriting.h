@@ -21,6 +21,7 @@ class Inheriting {
 
  private:
   Eigen::Matrix3d gain_ = Eigen::Matrix3d::Zero(), own_ = Eigen::Matrix3d::Zero();
+  double points_err_ = 1;  ///< of the last scan
 };
 
 }  // namespace slam::uncertainty

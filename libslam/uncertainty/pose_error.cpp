@@ -34,6 +34,7 @@ PoseError errorAfterMatch(const KeyframeMap& map, const scanmatch::MatchEvidence
   const Eigen::Matrix3d H = evidence.information();
   PoseError error;
   error.gain = S;
+  error.beyond.setZero();
   error.noise = scanmatch::withoutNegatives(map.pointNoise().variance() * S * H * S, 0, 0);
   const bool is_of_first = map.size() == 1;
   Eigen::Matrix3d root = Eigen::Matrix3d::Zero();
@@ -46,6 +47,11 @@ PoseError errorAfterMatch(const KeyframeMap& map, const scanmatch::MatchEvidence
   error.least = error.noise + error.stays * before.odometry * error.stays.transpose();
   error.covariance = scanmatch::withoutNegatives(root * root.transpose() + error.least, kLeastShare, 0);
   return error;
+}
+
+void raiseNoise(PoseError& error, const Eigen::Matrix3d& noise) {
+  error.beyond = scanmatch::withoutNegatives(noise - error.noise, 0, 0);
+  error.noise += error.beyond, error.least += error.beyond, error.covariance += error.beyond;
 }
 
 void noteMatch(KeyframeMap& map, const scanmatch::MatchEvidence& evidence, const Eigen::Matrix3d& least) {

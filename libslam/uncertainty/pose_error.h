@@ -17,6 +17,7 @@ struct Before {
 /// What a matched pose errs by; map frame.
 struct PoseError {
   Eigen::Matrix3d noise;       ///< against the map as it was
+  Eigen::Matrix3d beyond;      ///< of that, what the match alone does not tell
   Eigen::Matrix3d covariance;  ///< in the map
   Eigen::Matrix3d least;       ///< one match, and odometry where that leaves directions open
   Eigen::Matrix3d stays;       ///< how much of an error before is left
@@ -30,6 +31,10 @@ struct PoseError {
 PoseError errorAfterMatch(const keyframes::KeyframeMap& map, const scanmatch::MatchEvidence& evidence,
                           const Eigen::Matrix3d& posterior_information, const core::Pose2& T_map_robot,
                           const Before& before);
+
+/// Where the pose errs by `noise` against the map as it was, in whatever direction the match alone tells
+/// less: of a spinning lidar, of which it is not known exactly how it moved in its sweep.
+void raiseNoise(PoseError& error, const Eigen::Matrix3d& noise);
 
 /// From where the newest keyframe's pose is known, and how well: by what its covariance has grown since, and
 /// no better than `least`, what one match tells.

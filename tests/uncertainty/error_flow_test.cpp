@@ -134,6 +134,14 @@ TEST(ErrorFlow, ViewsErrByTheNoiseThatResidualsTell) {
   EXPECT_NEAR(pile.x(1), 4 * 0.01 + 0.002, 1e-9);
 }
 
+TEST(ErrorFlow, WhatASpinningLidarSawErrsByMore) {
+  Pile pile;
+  pile.add({});
+  pile.add(matchedTo({{0, kHundred}}, kOwn));
+  pile.map.keyframes()[0].inherited.points_err = 3;
+  EXPECT_NEAR(pile.x(1), 9 * 0.01 + 0.002, 1e-9);
+}
+
 TEST(ErrorFlow, LoopsMeasureTheWayBetweenTheirEnds) {
   Pile pile;
   pile.add({});
@@ -195,7 +203,7 @@ TEST(ErrorFlow, IsTheSpreadOfErrorsDrawnByItsRule) {
   const ErrorFlow flow(wanderer.map);
   const auto told = flow.covariances();
   core::RandomStream random(5, "errors");
-  constexpr int kDraws = 20000;
+  constexpr int kDraws = 5000;
   std::vector<Matrix3d> spread(told.size(), Matrix3d::Zero());
   Matrix3d apart = Matrix3d::Zero();
   const core::Pose2 T2 = wanderer.map.pose(2), T7 = wanderer.map.pose(7);
@@ -213,7 +221,7 @@ TEST(ErrorFlow, IsTheSpreadOfErrorsDrawnByItsRule) {
   const auto expectAlike = [](const Matrix3d& drawn, const Matrix3d& expected) {
     const Matrix3d L = expected.llt().matrixL();
     const Matrix3d alike = L.inverse() * drawn * L.inverse().transpose();
-    EXPECT_LT((alike - Matrix3d::Identity()).cwiseAbs().maxCoeff(), 0.05) << drawn << "\n" << expected;
+    EXPECT_LT((alike - Matrix3d::Identity()).cwiseAbs().maxCoeff(), 0.08) << drawn << "\n" << expected;
   };
   for (const size_t k : {1U, 4U, 8U}) expectAlike(spread[k], told[k]);
   expectAlike(apart, flow.relative(2, 7));
