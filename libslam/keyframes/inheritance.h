@@ -14,14 +14,16 @@ struct Inheritance {
     int keyframe;                  ///< that saw the surfaces first
     core::Symmetric3 information;  ///< of the match by them, as if points were independent
   };
-  std::vector<View> views;  ///< those that told most, kMostViews at most
+  /// Those that told most, kMostViews at most: with twice as many a map of 5400 keyframes takes twice the
+  /// time for its covariances, and 72 drives show no difference in how true they are.
+  std::vector<View> views;
   /// Times a view's information: the share of its error that is taken over.
   Eigen::Matrix3d gain = Eigen::Matrix3d::Zero();
   core::Symmetric3 own;  ///< covariance of what is new; zero: all that is known is odometry's edge
   /// What it sees itself errs by so many standard deviations of a point's noise: of a spinning lidar by more
   /// than one, since how the robot moved in its sweep is not known exactly.
   double points_err = 1;
-  static constexpr int kMostViews = 4;
+  static constexpr int kMostViews = 2;
 };
 
 }  // namespace slam::keyframes

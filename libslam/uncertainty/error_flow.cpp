@@ -42,15 +42,20 @@ Matrix3d rootOfInformation(const Matrix3d& information) {
 
 ErrorFlow::ErrorFlow(const KeyframeMap& map) : poses_(map.graph().poses()) {
   numberUnknowns(map);
-  std::vector<Equation> equations;
+  analyse(map);
+  fill(map);
+  factorize();
+}
+
+/// Made one after the other, so that they are never all there at once.
+void ErrorFlow::forEachEquation(const KeyframeMap& map, const Use& use) const {
   for (int k = 0; k < map.size(); ++k) {
-    if (pose_[static_cast<size_t>(k)] >= 0) equations.push_back(inherited(map, k));
+    if (pose_[static_cast<size_t>(k)] >= 0) use(inherited(map, k));
     Equation noise{{}, Matrix3d::Identity()};
     addPart(noise, seen_first_[static_cast<size_t>(k)], Matrix3d::Identity());
-    if (!noise.parts.empty()) equations.push_back(std::move(noise));
+    use(noise);
   }
-  addLoops(map, equations);
-  factorize(equations);
+  for (const LoopEdge& one : map.loopEdges()) use(loop(map, one));
 }
 
 void ErrorFlow::numberUnknowns(const KeyframeMap& map) {
@@ -101,42 +106,49 @@ ErrorFlow::Equation ErrorFlow::inherited(const KeyframeMap& map, int k) const {
   return equation;
 }
 
-void ErrorFlow::addLoops(const KeyframeMap& map, std::vector<Equation>& equations) const {
-  const auto& edges = map.graph().edges();
-  for (const LoopEdge& one : map.loopEdges()) {
-    const posegraph::Edge& edge = edges[one.edge];
-    Equation equation;
-    equation.information = one.share * scanmatch::turned(edge.information, -map.pose(edge.to).phi);
-    addPart(equation, pose_[static_cast<size_t>(edge.to)], Matrix3d::Identity());
-    addPart(equation, pose_[static_cast<size_t>(edge.from)],
-            -moved(position(map.pose(edge.from)), position(map.pose(edge.to))));
-    equations.push_back(std::move(equation));
-  }
+/// That the way between a loop's ends is as it was measured.
+ErrorFlow::Equation ErrorFlow::loop(const KeyframeMap& map, const LoopEdge& one) const {
+  const posegraph::Edge& edge = map.graph().edges()[one.edge];
+  Equation equation;
+  equation.information = one.share * scanmatch::turned(edge.information, -map.pose(edge.to).phi);
+  addPart(equation, pose_[static_cast<size_t>(edge.to)], Matrix3d::Identity());
+  addPart(equation, pose_[static_cast<size_t>(edge.from)],
+          -moved(position(map.pose(edge.from)), position(map.pose(edge.to))));
+  return equation;
 }
 
-void ErrorFlow::factorize(const std::vector<Equation>& equations) {
+void ErrorFlow::analyse(const KeyframeMap& map) {
   std::vector<std::pair<int, int>> blocks;
-  const auto forEachPair = [&equations](const auto& use) {
-    for (const Equation& equation : equations)
-      for (size_t i = 0; i < equation.parts.size(); ++i)
-        for (size_t j = 0; j < i; ++j) use(equation, equation.parts[i], equation.parts[j]);
-  };
-  forEachPair([&](const Equation&, const Part& a, const Part& b) {
-    if (a.unknown != b.unknown) blocks.emplace_back(a.unknown, b.unknown);
+  forEachEquation(map, [&blocks](const Equation& equation) {
+    for (size_t i = 0; i < equation.parts.size(); ++i)
+      for (size_t j = 0; j < i; ++j)
+        if (equation.parts[i].unknown != equation.parts[j].unknown)
+          blocks.emplace_back(equation.parts[i].unknown, equation.parts[j].unknown);
   });
   cholesky_.analyse(unknowns_, blocks);
+}
+
+void ErrorFlow::fill(const KeyframeMap& map) {
   cholesky_.setZero();
-  for (const Equation& equation : equations)
-    for (const Part& part : equation.parts)
-      cholesky_.addDiagonal(part.unknown, part.factor.transpose() * equation.information * part.factor);
   int block = 0;
-  forEachPair([&](const Equation& equation, const Part& a, const Part& b) {
-    const Matrix3d both = a.factor.transpose() * equation.information * b.factor;
-    if (a.unknown != b.unknown)
-      cholesky_.addBlock(block++, both);
-    else
-      cholesky_.addDiagonal(a.unknown, both + both.transpose());
+  forEachEquation(map, [&](const Equation& equation) {
+    for (size_t i = 0; i < equation.parts.size(); ++i) {
+      const Part& a = equation.parts[i];
+      const Matrix3d told = a.factor.transpose() * equation.information;
+      cholesky_.addDiagonal(a.unknown, told * a.factor);
+      for (size_t j = 0; j < i; ++j) {
+        const Part& b = equation.parts[j];
+        const Matrix3d both = told * b.factor;
+        if (a.unknown != b.unknown)
+          cholesky_.addBlock(block++, both);
+        else
+          cholesky_.addDiagonal(a.unknown, both + both.transpose());
+      }
+    }
   });
+}
+
+void ErrorFlow::factorize() {
   bool is_done = cholesky_.factorize();
   for (double damping = kFirstDamping; !is_done && damping < 1; damping *= 10)
     is_done = cholesky_.factorize(damping);

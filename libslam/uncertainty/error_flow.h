@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "libslam/keyframes/keyframe_map.h"
@@ -36,10 +37,14 @@ class ErrorFlow {
     std::vector<Part> parts;
     Eigen::Matrix3d information;
   };
+  using Use = std::function<void(const Equation&)>;
   void numberUnknowns(const keyframes::KeyframeMap& map);
   Equation inherited(const keyframes::KeyframeMap& map, int k) const;
-  void addLoops(const keyframes::KeyframeMap& map, std::vector<Equation>& equations) const;
-  void factorize(const std::vector<Equation>& equations);
+  Equation loop(const keyframes::KeyframeMap& map, const keyframes::LoopEdge& one) const;
+  void forEachEquation(const keyframes::KeyframeMap& map, const Use& use) const;
+  void analyse(const keyframes::KeyframeMap& map);
+  void fill(const keyframes::KeyframeMap& map);
+  void factorize();
   static void addPart(Equation& equation, int unknown, const Eigen::Matrix3d& factor);
 
   std::vector<core::Pose2> poses_;

@@ -12,8 +12,8 @@ using keyframes::test_maps::diagonal;
 
 TEST(Inheriting, KeepsTheViewsThatToldMostAndAddsUpFromScanToScan) {
   scanmatch::MatchEvidence evidence;
-  for (int view = 0; view < 7; ++view)
-    evidence.by_view.push_back({view, diagonal(view % 5 + 1, view % 5 + 1, 1)});
+  for (int view = 0; view < 8; ++view)
+    evidence.by_view.push_back({view, diagonal(view % 4 + 1, view % 4 + 1, 1)});
   evidence.by_view[2].information = diagonal(50, -10, 1);
   PoseError match{};
   match.stays = diagonal(0.5, 0.5, 0), match.gain = diagonal(0.1, 0.1, 0.1),
@@ -22,12 +22,10 @@ TEST(Inheriting, KeepsTheViewsThatToldMostAndAddsUpFromScanToScan) {
   Inheriting inheriting;
   inheriting.carryOn(match, still, odometry);
   const auto once = inheriting.of(evidence);
-  ASSERT_EQ(once.views.size(), 4U);
+  ASSERT_EQ(once.views.size(), 2U);
   EXPECT_EQ(once.views[0].keyframe, 2);
   EXPECT_EQ(once.views[0].information.matrix()(1, 1), 0) << "nothing is known less than not at all";
-  EXPECT_EQ(once.views[1].keyframe, 4);
-  EXPECT_EQ(once.views[2].keyframe, 3);
-  EXPECT_EQ(once.views[3].keyframe, 1) << "of equals the first";
+  EXPECT_EQ(once.views[1].keyframe, 3) << "of equals the first";
   EXPECT_NEAR(once.own.matrix()(0, 0), 0.25 * 0.04 + 0.002, 1e-12);
   EXPECT_NEAR(once.gain(0, 0), 0.1, 1e-12);
   inheriting.carryOn(match, still, odometry);
