@@ -47,7 +47,8 @@ class GraphSystem {
   int variableOf(int node) const { return variable_[static_cast<size_t>(node)]; }
   const sparse::BlockCholesky& factor() const { return cholesky_; }
   /// As step() without the step. REQUIRES linearise() before.
-  bool factorize(double damping = 0) { return cholesky_.factorize(damping); }
+  bool factorize() { return cholesky_.factorize(); }
+  bool factorizeRaised() { return cholesky_.factorizeRaised(); }
 
  private:
   struct Term {

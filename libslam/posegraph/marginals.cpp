@@ -6,19 +6,11 @@
 #include "libslam/core/error.h"
 
 namespace slam::posegraph {
-namespace {
-
-constexpr double kFirstDamping = 1e-14;
-
-}  // namespace
 
 Marginals::Marginals(const PoseGraph& graph, Open open)
     : poses_(graph.poses()), system_(graph, edgesOn(graph)) {
   system_.linearise(graph, poses_, std::vector<double>(graph.edges().size(), 1.0));
-  bool is_done = system_.factorize();
-  for (double damping = kFirstDamping; !is_done && open == Open::kBounded && damping < 1; damping *= 10)
-    is_done = system_.factorize(damping);
-  if (!is_done)
+  if (!(open == Open::kBounded ? system_.factorizeRaised() : system_.factorize()))
     throw core::MethodError("pose graph: the edges do not determine every pose; there is no covariance");
 }
 

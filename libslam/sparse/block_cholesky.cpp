@@ -217,6 +217,13 @@ bool BlockCholesky::factorize(double damping) {
   return advance(unlimited) == Progress::kDone;
 }
 
+bool BlockCholesky::factorizeRaised() {
+  constexpr double kFirst = 1e-14;
+  bool is_done = factorize();
+  for (double damping = kFirst; !is_done && damping < 1; damping *= 10) is_done = factorize(damping);
+  return is_done;
+}
+
 double BlockCholesky::workOfSolving() const {
   return kWorkPerScalarSolved * static_cast<double>(scalars_);
 }

@@ -37,6 +37,9 @@ class BlockCholesky {
   /// Factorises what was added, its scalar diagonal multiplied by 1 + damping. False when it is not positive
   /// definite (to rounding); then there is no factor. What was added stays.
   bool factorize(double damping = 0);
+  /// The same with the least damping that gives a factor: none, else 1e-14, and ten times as much as long as
+  /// that is below 1. So what is open gets a large variance. False where none does.
+  bool factorizeRaised();
   /// The same in pieces: begin(), then advance() while it says kGoing. `work`: about how many multiplications
   /// are left for this piece (at least one supernode is done, or some of the factor's memory touched for the
   /// first time); what was done is taken off. Between them nothing is added.

@@ -19,9 +19,6 @@ using keyframes::kLeastShare;
 using keyframes::LoopEdge;
 using keyframes::moved;
 
-/// Where something is open the equations are raised by the least share of their diagonal that gives an
-/// answer.
-constexpr double kFirstDamping = 1e-14;
 /// What is new in a keyframe is at least this share of its largest direction, and so much (m^2, rad^2).
 constexpr double kLeastOwnShare = 1e-9, kLeastOwn = 1e-12;
 
@@ -44,7 +41,8 @@ ErrorFlow::ErrorFlow(const KeyframeMap& map) : poses_(map.graph().poses()) {
   numberUnknowns(map);
   analyse(map);
   fill(map);
-  factorize();
+  if (!cholesky_.factorizeRaised())
+    throw core::MethodError("map: its keyframes do not determine one another; there is no covariance");
 }
 
 /// Made one after the other, so that they are never all there at once.
@@ -146,14 +144,6 @@ void ErrorFlow::fill(const KeyframeMap& map) {
       }
     }
   });
-}
-
-void ErrorFlow::factorize() {
-  bool is_done = cholesky_.factorize();
-  for (double damping = kFirstDamping; !is_done && damping < 1; damping *= 10)
-    is_done = cholesky_.factorize(damping);
-  if (!is_done)
-    throw core::MethodError("map: its keyframes do not determine one another; there is no covariance");
 }
 
 std::vector<Matrix3d> ErrorFlow::covariances() const {

@@ -44,7 +44,6 @@ class ErrorFlow {
   void forEachEquation(const keyframes::KeyframeMap& map, const Use& use) const;
   void analyse(const keyframes::KeyframeMap& map);
   void fill(const keyframes::KeyframeMap& map);
-  void factorize();
   static void addPart(Equation& equation, int unknown, const Eigen::Matrix3d& factor);
 
   std::vector<core::Pose2> poses_;

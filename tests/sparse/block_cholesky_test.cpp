@@ -156,6 +156,20 @@ TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
   EXPECT_FALSE(matrix.factorize()) << "not a number";
 }
 
+TEST(BlockCholesky, WhatIsOpenIsRaisedByTheLeastThatGivesAFactor) {
+  BlockCholesky matrix;
+  matrix.analyse(2, {{0, 1}});
+  matrix.setZero();
+  for (int row = 0; row < 2; ++row) matrix.addDiagonal(row, Eigen::Matrix3d::Identity());
+  EXPECT_TRUE(matrix.factorizeRaised());
+  EXPECT_NEAR(matrix.sparseInverse().diagonal[0](0, 0), 1, 1e-15) << "as it is, where it is definite";
+  matrix.addBlock(0, Eigen::Matrix3d::Identity());  // the second row is the first
+  ASSERT_TRUE(matrix.factorizeRaised());
+  EXPECT_GT(matrix.sparseInverse().diagonal[0](0, 0), 1e10);
+  matrix.addBlock(0, Eigen::Matrix3d::Identity());
+  EXPECT_FALSE(matrix.factorizeRaised()) << "indefinite";
+}
+
 TEST(BlockCholesky, EliminatesAChainWithoutFill) {
   const int size = 1000;
   Blocks chain;
