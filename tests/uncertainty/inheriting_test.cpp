@@ -36,5 +36,14 @@ TEST(Inheriting, KeepsTheViewsThatToldMostAndAddsUpFromScanToScan) {
   EXPECT_TRUE(inheriting.of({}).own.isZero());
 }
 
+TEST(Inheriting, WhatTheMatchDoesNotTellTheKeyframesPointsErrByToo) {
+  PoseError match{};
+  match.stays.setZero(), match.noise = diagonal(9, 9, 1), match.beyond = diagonal(8, 8, 0);
+  Inheriting inheriting;
+  EXPECT_DOUBLE_EQ(inheriting.of({}).points_err, 1);
+  inheriting.carryOn(match, Matrix3d::Identity(), Matrix3d::Zero());
+  EXPECT_DOUBLE_EQ(inheriting.of({}).points_err, 3);
+}
+
 }  // namespace
 }  // namespace slam::uncertainty

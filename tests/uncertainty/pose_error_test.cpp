@@ -160,5 +160,15 @@ TEST(PoseError, ANotedMatchTellsNoMoreThanAMatchCan) {
   EXPECT_EQ(map.keyframe(2).matched_to, -1);
 }
 
+TEST(PoseError, IsRaisedWhereTheMatchAloneTellsLess) {
+  PoseError error{};
+  error.noise = diagonal(1, 4, 1), error.least = diagonal(2, 5, 2), error.covariance = diagonal(7, 9, 3);
+  raiseNoise(error, diagonal(3, 1, 1));
+  expectNear(error.noise, diagonal(3, 4, 1));
+  expectNear(error.beyond, diagonal(2, 0, 0));
+  expectNear(error.least, diagonal(4, 5, 2));
+  expectNear(error.covariance, diagonal(9, 9, 3));
+}
+
 }  // namespace
 }  // namespace slam::uncertainty
