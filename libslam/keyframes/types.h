@@ -85,7 +85,7 @@ struct Known {
   int from;
   Eigen::Matrix3d information;  ///< body frame
 };
-/// What says how sure a graph's poses are.
+/// What says how sure a graph's poses are while it grows; in the end uncertainty::ErrorFlow knows better.
 struct Witnesses {
   std::vector<Known> known;      ///< of each keyframe after the first
   std::vector<int> loop_begins;  ///< first edge of every loop
