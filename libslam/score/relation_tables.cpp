@@ -76,7 +76,9 @@ void addStated(const std::vector<RelationScore>& scores, Detail detail, table::T
   };
   if (detail == Detail::kFull) add({"anees", "ANEES", 2}, &RelationScore::anees);
   add({"within_95_share", "95 %", 3}, &RelationScore::within_95_share);
-  if (!scores[0].annotation) return;
+  if (std::none_of(scores.begin(), scores.end(),
+                   [](const auto& score) { return score.anees_annotated.has_value(); }))
+    return;
   if (detail == Detail::kFull)
     add({"anees_annotated", "ANEES annotated", 2}, &RelationScore::anees_annotated);
   add({"within_95_share_annotated", "95 % annotated", 3}, &RelationScore::within_95_share_annotated);
@@ -101,10 +103,12 @@ bool hasColumn(const table::Table& table, const char* key) {
 }  // namespace
 
 std::vector<RelationScore> scoreByRelations(const results::RunFolder& run, const core::Relations& relations) {
-  const auto online = metrics::relationError(relations, run.estimate);
-  if (!run.final_estimate) return {{run.method, online}};
+  RelationScore online{run.method, metrics::relationError(relations, run.estimate)};
+  online.annotation = metrics::annotationError(relations);
+  if (!run.final_estimate) return {online};
+  online.path += " online";
   RelationScore final_score{run.method + " final", metrics::relationError(relations, *run.final_estimate)};
-  final_score.annotation = metrics::annotationError(relations);
+  final_score.annotation = online.annotation;
   const auto hold = [&](const Eigen::Matrix3d& of_relation, std::optional<double>& anees,
                         std::optional<double>& share) {
     const auto nees =
@@ -117,7 +121,7 @@ std::vector<RelationScore> scoreByRelations(const results::RunFolder& run, const
     const Eigen::Vector3d sigmas(own->sigma_xy_m, own->sigma_xy_m, own->sigma_turn_rad);
     hold(sigmas.cwiseAbs2().asDiagonal(), final_score.anees_annotated, final_score.within_95_share_annotated);
   }
-  return {final_score, {run.method + " online", online}};
+  return {final_score, online};
 }
 
 table::Table relationTable(const std::vector<RelationScore>& scores, Detail detail) {

@@ -19,7 +19,7 @@ struct RelationScore {
   std::optional<double> anees = {}, within_95_share = {};
   /// The same with what the relations err by themselves added to what the method claims, where that is known.
   std::optional<double> anees_annotated = {}, within_95_share_annotated = {};
-  std::optional<metrics::AnnotationError> annotation = {};
+  std::optional<metrics::AnnotationError> annotation = {};  ///< what they err by, of every path
 };
 
 /// Of a run: its path, or where the method corrects its past the final path first and then the one given

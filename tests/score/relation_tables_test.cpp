@@ -106,6 +106,12 @@ TEST(RelationTables, HoldTheClaimsAgainstRelationsThatErrThemselves) {
   EXPECT_THAT(table.notes.at(1), HasSubstr("added to what the method claims"));
   EXPECT_THAT(table.notes.at(2), HasSubstr("err by 0.1732 m and 0.000 deg themselves"));
   EXPECT_EQ(relationTable(scores, Detail::kFull).columns.end()[-2].key, "anees_annotated");
+  // Whatever the first path of a table says of itself.
+  auto silent = scoreByRelations(runWith(path), relations);
+  ASSERT_EQ(silent.size(), 1U);
+  EXPECT_THAT(relationTable(silent, Detail::kShort).notes.at(1), HasSubstr("err by 0.1732 m"));
+  silent.insert(silent.end(), scores.begin(), scores.end());
+  EXPECT_EQ(relationTable(silent, Detail::kShort).columns.back().key, "within_95_share_annotated");
 }
 
 TEST(RelationTables, SayOfTheWorstWhenWhatAndHowFarOff) {
