@@ -13,7 +13,7 @@ sweep=$1 name=$2 commit=$3
 results=$(CDPATH='' cd -- "$(dirname -- "$0")/../results" && pwd)
 field() { grep -m1 "$1" /proc/cpuinfo | cut -d: -f2- | sed 's/^ *//'; }
 {
-  echo "Made by: rasterslam bench configs/suites/$name.ini -o $name -j 2"
+  echo "Made by: rasterslam bench configs/suites/$name.ini -o $name -j 2; results.csv is $name.csv.xz, cost.csv ${name}_cost.csv.xz"
   echo "Seeds:   $(sed -n 's/^seeds *= *//p' "$sweep/suite.ini")"
   echo "Version: $(sed -n 's/^  "version": "\(.*\)",/\1/p' "$sweep/manifest.json"), commit $commit; $(sed -n 's/^  "build": "\(.*\)",/\1/p' "$sweep/manifest.json")"
   echo "Machine: $(field 'model name'), $(nproc) cores, $(awk '/MemTotal/ { printf "%.0f GB", $2 / 1048576 }' /proc/meminfo); Debian $(cat /etc/debian_version)"

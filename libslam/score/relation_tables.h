@@ -29,8 +29,8 @@ std::vector<RelationScore> scoreByRelations(const results::RunFolder& run, const
 /// One row per path: mean, deviation and maximum of the translational and of the rotational error (Kümmerle
 /// et al. 2009), how many relations were scored; kFull also the squares and medians. Where a path has
 /// covariances of them the share within the claimed 95 % region, and the same with what the relations err by
-/// themselves; kFull also ANEES of both. The notes state how
-/// poses at the relations' stamps are found.
+/// themselves; kFull also ANEES of both. The notes state how poses at the relations' stamps are found, and
+/// what the relations err by.
 table::Table relationTable(const std::vector<RelationScore>& scores, Detail detail);
 
 /// The relations that each path fits worst: when, what the relation says, what the path has. kShort puts a

@@ -42,8 +42,9 @@ class PoseUncertainty {
   /// Of a keyframe at the scan at hand.
   keyframes::Inheritance inheritance() const { return inheriting_.of(evidence_); }
   void setCovariance(const Eigen::Matrix3d& covariance) { covariance_ = covariance; }
-  /// What the scan at hand saw is of a place where the robot is not.
-  void forgetViews() { evidence_.by_view.clear(); }
+  /// What the scan at hand was matched to is a place where the robot is not: odometry alone tells of its
+  /// pose.
+  void forgetViews() { evidence_.by_view.clear(), inheriting_.beginKeyframe(); }
 
   const scanmatch::MatchEvidence& evidence() const { return evidence_; }
   const Eigen::Matrix3d& covariance() const { return covariance_; }  ///< in the map

@@ -71,6 +71,14 @@ TEST_F(Standing, WhatIsInheritedBeginsAnewWithEveryKeyframe) {
   EXPECT_EQ(uncertainty.inheritance().gain(0, 0), 0);
 }
 
+TEST_F(Standing, WhereTheRobotIsNotNothingIsInherited) {
+  PoseUncertainty uncertainty(map);
+  stand(uncertainty);
+  uncertainty.forgetViews();
+  EXPECT_TRUE(uncertainty.inheritance().views.empty());
+  EXPECT_TRUE(uncertainty.inheritance().own.isZero()) << "odometry's edge is all that is known";
+}
+
 TEST_F(Standing, WhatAMatchDoesNotTellTheMapErrsByToo) {
   PoseUncertainty uncertainty(map);
   stand(uncertainty);
