@@ -40,6 +40,8 @@ const Meanings kColumns = {
     {"rotation_max_deg", "the largest of these angles"},
     {"scored", "relations whose stamps lie within the path's time"},
     {"interpolated", "of these, how many needed a pose between two stamps of the path"},
+    {"anees_annotated", "ANEES of the relations, with what they err by themselves added to what is claimed"},
+    {"within_95_share_annotated", "share of them within the claimed region of 95 %, with the same added"},
     {"unmatched", "relations whose stamps lie outside the path's time"},
     // Exploration.
     {"explored %",
