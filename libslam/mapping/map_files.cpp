@@ -45,11 +45,26 @@ COccupancyGridMap2D plainCopy(const COccupancyGridMap2D& grid) {
 }
 
 /// MRPT's own writers go through gzip streams that do not report a full disk.
-void writeObject(const mrpt::serialization::CSerializable& object, const std::string& path) {
-  mrpt::io::CMemoryStream buffer;
+void serialise(const mrpt::serialization::CSerializable& object, mrpt::io::CMemoryStream& buffer) {
   mrpt::serialization::archiveFrom(buffer) << object;
+}
+
+void writePacked(const mrpt::io::CMemoryStream& buffer, const std::string& path) {
   files::writeFileAtomically(path, resources::gzip({static_cast<const char*>(buffer.getRawBufferData()),
                                                     buffer.getTotalBytesCount()}));
+}
+
+void writeObject(const mrpt::serialization::CSerializable& object, const std::string& path) {
+  mrpt::io::CMemoryStream buffer;
+  serialise(object, buffer);
+  writePacked(buffer, path);
+}
+
+/// The copy, which may be large, is gone before the map is packed.
+void writeGrid(const COccupancyGridMap2D& grid, const std::string& path) {
+  mrpt::io::CMemoryStream buffer;
+  serialise(plainCopy(grid), buffer);
+  writePacked(buffer, path);
 }
 
 /// ROS's picture of the map, the top row first.
@@ -91,7 +106,7 @@ void saveMaps(const MapBuilder& method, const std::string& folder) {
 
 void saveMaps(const MapBuilder& method, const gridmap::OccupancyRaster& map, const std::string& folder) {
   writeRosMap(map, folder);
-  writeObject(plainCopy(*builders::gridOf(mrptBuilder(method))), folder + "/map.gridmap.gz");
+  writeGrid(*builders::gridOf(mrptBuilder(method)), folder + "/map.gridmap.gz");
   saveKeyFrames(method, folder);
 }
 

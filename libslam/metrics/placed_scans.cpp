@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <tuple>
+#include <utility>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
@@ -19,47 +20,57 @@ namespace {
 using core::kNaN;
 constexpr double kRounding = 1e-9;  // "within the reach" must not depend on the last digit of a coordinate
 
-/// Points sorted into square bins as wide as the neighbourhood, so that neighbours lie in 3 x 3 bins.
+/// Points sorted into square bins as wide as the neighbourhood, so that neighbours lie in 3 x 3 bins. Where
+/// they lie, and no copy of them: they are many.
 class Bins {
  public:
-  explicit Bins(const std::vector<core::Point2>& points) {
-    entries_.reserve(points.size());
-    for (const auto& p : points) {
-      const double column = std::floor(p.x / kNeighbourhood_m), row = std::floor(p.y / kNeighbourhood_m);
-      // Beyond that a diverged pose has put it, where a bin's number would overflow.
-      constexpr double kFarthest = 1e9;
-      if (std::abs(column) < kFarthest && std::abs(row) < kFarthest)
-        entries_.push_back({static_cast<std::int32_t>(row), static_cast<std::int32_t>(column), p});
-    }
-    // Stable: equal bins keep the points' order, and with it every sum its bits.
-    std::stable_sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
-      return std::tie(a.row, a.column) < std::tie(b.row, b.column);
+  explicit Bins(std::vector<core::Point2> points) : points_(std::move(points)) {
+    points_.erase(std::remove_if(points_.begin(), points_.end(), [](const auto& p) { return !hasBin(p); }),
+                  points_.end());
+    // By coordinates, too: every sum has the same bits, whatever the order was.
+    std::sort(points_.begin(), points_.end(), [](const core::Point2& a, const core::Point2& b) {
+      const Bin of_a(a), of_b(b);
+      return of_a == of_b ? std::tie(a.y, a.x) < std::tie(b.y, b.x) : of_a < of_b;
     });
   }
 
-  size_t size() const { return entries_.size(); }
-  const core::Point2& point(size_t i) const { return entries_[i].point; }
+  size_t size() const { return points_.size(); }
 
   template <class Visit>
   void visitNeighbours(size_t i, Visit visit) const {
-    const Entry& centre = entries_[i];
-    for (std::int32_t row = centre.row - 1; row <= centre.row + 1; ++row) {
-      auto entry =
-          std::lower_bound(entries_.begin(), entries_.end(), std::pair(row, centre.column - 1),
-                           [](const Entry& e, const auto& bin) { return std::pair(e.row, e.column) < bin; });
-      for (; entry != entries_.end() && entry->row == row && entry->column <= centre.column + 1; ++entry) {
-        const double dx = entry->point.x - centre.point.x, dy = entry->point.y - centre.point.y;
+    const core::Point2& centre = points_[i];
+    const Bin middle(centre);
+    for (auto row = middle.row - 1; row <= middle.row + 1; ++row) {
+      auto p = std::lower_bound(points_.begin(), points_.end(), Bin(row, middle.column - 1),
+                                [](const core::Point2& a, const Bin& bin) { return Bin(a) < bin; });
+      const Bin last(row, middle.column + 1);
+      for (; p != points_.end() && !(last < Bin(*p)); ++p) {
+        const double dx = p->x - centre.x, dy = p->y - centre.y;
         if (dx * dx + dy * dy <= kNeighbourhood_m * kNeighbourhood_m + kRounding) visit(dx, dy);
       }
     }
   }
 
  private:
-  struct Entry {
-    std::int32_t row, column;
-    core::Point2 point;
+  struct Bin {
+    explicit Bin(const core::Point2& p) : row(numberOf(p.y)), column(numberOf(p.x)) {}
+    Bin(std::int64_t row_, std::int64_t column_) : row(row_), column(column_) {}
+    bool operator<(const Bin& b) const { return row != b.row ? row < b.row : column < b.column; }
+    bool operator==(const Bin& b) const { return row == b.row && column == b.column; }
+    std::int64_t row, column;
   };
-  std::vector<Entry> entries_;
+  static std::int64_t numberOf(double x_m) {
+    const double bins = x_m / kNeighbourhood_m;
+    const auto whole = static_cast<std::int64_t>(bins);
+    return whole - (static_cast<double>(whole) > bins ? 1 : 0);
+  }
+  static bool hasBin(const core::Point2& p) {
+    // Beyond that a diverged pose has put it, where a bin's number would overflow.
+    constexpr double kFarthest_m = 1e9 * kNeighbourhood_m;
+    return std::abs(p.x) < kFarthest_m && std::abs(p.y) < kFarthest_m;
+  }
+
+  std::vector<core::Point2> points_;
 };
 
 struct Spread {
@@ -94,9 +105,9 @@ Spread spreadAround(const Bins& bins, size_t i) {
 
 }  // namespace
 
-PointSharpness pointSharpness(const std::vector<core::Point2>& points, std::size_t most) {
+PointSharpness pointSharpness(std::vector<core::Point2> points, std::size_t most) {
   if (most == 0) throw core::ContractError("pointSharpness: expected a number of points above 0");
-  const Bins bins(points);
+  const Bins bins(std::move(points));
   const size_t step = std::max<size_t>(1, (bins.size() + most - 1) / most);
   PointSharpness sharpness{kNaN, kNaN, 0, 0};
   std::vector<double> thicknesses_m;

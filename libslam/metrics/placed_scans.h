@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "libslam/core/pose2.h"
@@ -34,8 +35,8 @@ inline constexpr double kSmallestSpread_m = 0.001;
 
 /// Looks at `most` of the points, evenly spread over the map, among all of them as neighbours. Points that
 /// are not finite are passed over. No point with neighbours: both figures NaN. REQUIRES most > 0. Cost: about
-/// a second for a million points, 40 bytes per point.
-PointSharpness pointSharpness(const std::vector<core::Point2>& points, std::size_t most = 20000);
+/// a second for a million points, and no memory beside the points themselves.
+PointSharpness pointSharpness(std::vector<core::Point2> points, std::size_t most = 20000);
 
 /// How well scans placed at the estimated poses agree with the map that was made from them (scan-to-map
 /// consistency). The two shares are ours; the idea is that of the likelihood field and of the beam model
@@ -62,7 +63,7 @@ class PlacedScans {
   explicit PlacedScans(const world::CellMap& map, std::size_t most_points = kMostPoints)
       : map_(map), most_points_(most_points) {}
   explicit PlacedScans(world::CellMap&&, std::size_t = kMostPoints) = delete;
-  static constexpr std::size_t kMostPoints = 3'000'000;  ///< 160 MB with what pointSharpness() needs
+  static constexpr std::size_t kMostPoints = 3'000'000;  ///< 48 MB
 
   /// One scan: returns as points in the lidar's frame. So that a robot that stands still does not outvote one
   /// that drives, a scan is passed over when its pose is within 0.1 m and 5 degrees of the last one that was
@@ -72,6 +73,8 @@ class PlacedScans {
   ScanAgreement agreement() const;
   /// All returns of the scans used, in the map frame; 16 bytes each.
   const std::vector<core::Point2>& points() const { return points_; }
+  /// The same, which are here no more; what was said of the scans stays.
+  std::vector<core::Point2> takePoints() { return std::move(points_); }
   /// How often the scans used were halved.
   int halvings() const { return halvings_; }
 

@@ -9,9 +9,13 @@
 
 namespace slam::process {
 
+void returnFreedMemory() {
+  malloc_trim(0);
+}
+
 MemoryMeter::MemoryMeter() {
   // What was freed before would be taken without being counted.
-  malloc_trim(0);
+  returnFreedMemory();
   std::ofstream("/proc/self/clear_refs") << "5";
   before_mb_ = processMemoryMb("VmRSS");
   files_before_mb_ = processMemoryMb("RssFile");

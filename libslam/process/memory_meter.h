@@ -18,4 +18,7 @@ class MemoryMeter {
   double before_mb_, files_before_mb_;
 };
 
+/// Gives back to the system what this process has freed, before another large piece of work.
+void returnFreedMemory();
+
 }  // namespace slam::process

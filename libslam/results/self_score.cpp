@@ -35,7 +35,7 @@ class Placing {
   SelfScore score() {
     if (at_ != path_.size()) throw core::ContractError("selfScore: fewer scans than poses");
     progress_.end();
-    return {metrics::pointSharpness(scans_.points()), scans_.agreement()};
+    return {metrics::pointSharpness(scans_.takePoints()), scans_.agreement()};
   }
 
  private:

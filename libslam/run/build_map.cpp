@@ -1,11 +1,9 @@
 #include "libslam/run/build_map.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <limits>
-#include <sstream>
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
@@ -23,35 +21,13 @@
 #include "libslam/results/self_score.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/log_feed.h"
+#include "libslam/run/timing.h"
 #include "libslam/run/told_commands.h"
 #include "libslam/threads/cpu_time.h"
 #include "libslam/threads/thread_team.h"
 
 namespace slam::run {
 namespace {
-
-/// `more_s`: CPU time beside that of the scans.
-results::Cost summarize(std::vector<double> milliseconds, double more_s, double log_seconds) {
-  results::Cost cost;
-  if (milliseconds.empty()) return cost;
-  double total_ms = 1000 * more_s;
-  for (const double ms : milliseconds) total_ms += ms;
-  std::sort(milliseconds.begin(), milliseconds.end());
-  const auto rank = static_cast<size_t>(std::ceil(0.99 * static_cast<double>(milliseconds.size())));
-  cost.mean_ms_per_scan = total_ms / static_cast<double>(milliseconds.size());
-  cost.p99_ms_per_scan = milliseconds[rank - 1];
-  cost.real_time_factor = log_seconds / (total_ms / 1000);
-  return cost;
-}
-
-std::string timingText(const std::vector<double>& milliseconds, const std::vector<double>& stamps_s) {
-  std::ostringstream timing;
-  timing << "scan,time_s,cpu_ms\n";
-  for (size_t i = 0; i < milliseconds.size(); ++i)
-    timing << i << ',' << files::formatNumber(stamps_s[i] - stamps_s.front()) << ','
-           << files::formatNumber(milliseconds[i]) << '\n';
-  return timing.str();
-}
 
 /// Another program's path: what our own drawing of its map then follows.
 ExternalRun runExternal(const files::IniFile& config, const std::string& name, const std::string& log_path,
@@ -184,8 +160,9 @@ struct Ending {
   double finish_s = 0;  ///< CPU time of its last work
   double beside_s = 0;  ///< of its other threads, while scans were taken in
   std::optional<core::Trajectory> final_path;
-  core::Trajectory path;  ///< the final one, else the one given online
-  std::optional<gridmap::OccupancyRaster> map;
+  core::Trajectory path;                        ///< the final one, else the one given online
+  std::optional<gridmap::OccupancyRaster> map;  ///< until it is written
+  std::optional<double> map_entropy_bits;       ///< where there is a map
   std::optional<results::SelfScore> self;
   std::vector<Eigen::Matrix3d> covariances;  ///< of the final path
   std::vector<results::RelativeCovariance> relative;
@@ -209,9 +186,9 @@ class Finisher {
   Ending results() {
     ask([&] { ending_.final_path = mapping::finalPath(method_, run_.estimate); });
     ending_.path = ending_.final_path.value_or(run_.estimate);
-    ask([&] { ending_.map = mapping::currentMap(method_); });
     if (!run_.stopped) ask([&] { ending_.covariances = mapping::finalCovariances(method_); });
     if (!run_.stopped && ending_.final_path) ask([&] { askRelativeCovariances(); });
+    ask([&] { ending_.map = mapping::currentMap(method_); });
     return std::move(ending_);
   }
 
@@ -246,15 +223,17 @@ class Finisher {
   Ending ending_;
 };
 
-/// Holds the scans against the path and the map, and meanwhile, where there are two threads, writes the map.
+/// Writes the map, and holds the scans against the path and the map; both at once where there are two
+/// threads. The map as probabilities is the largest that there is by now, and goes when it is written.
 void scoreAndDraw(const mapping::MapBuilder& method, Taken& taken, const std::string& log_path,
                   const std::string& lidars, const BuildOptions& options, const std::string& folder,
                   MapRun& run, Ending& ending, core::Progress& progress) {
   if (!ending.map) return;
+  ending.map_entropy_bits = metrics::mapEntropy(ending.map->occupancy);
+  const auto map = results::toCellMap(*ending.map);
   const auto score = [&] {
     if (run.stopped) return;
     stoppable(run, taken, options.keep_partial, [&] {
-      const auto map = results::toCellMap(*ending.map);
       ending.self = taken.scans.rewind() ? results::selfScore(taken.scans, ending.path, map, progress)
                                          : results::selfScore(log_path, ending.path, map, progress, lidars,
                                                               options.threads > 1);
@@ -263,9 +242,11 @@ void scoreAndDraw(const mapping::MapBuilder& method, Taken& taken, const std::st
   const auto draw = [&] {
     mapping::saveMaps(method, *ending.map, folder);
     results::writeScene(method, *ending.map, ending.path, taken.last_scan, folder + "/map.3Dscene");
+    ending.map.reset();
+    process::returnFreedMemory();
   };
   threads::ThreadTeam(std::clamp(options.threads, 1, 2)).forEach(2, [&](size_t job) {
-    job == 0 ? score() : draw();
+    job == 0 ? draw() : score();
   });
 }
 
@@ -282,7 +263,7 @@ void complete(const mapping::MapBuilder& method, Ending& ending, const Taken& ta
   run.final_covariances = inStampOrder(stamped(ending.covariances, taken.stamps_s));
   ending.covariances = {};  // of a long log it is much
   const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
-  run.cost = summarize(taken.milliseconds, ending.finish_s + ending.beside_s, log_seconds);
+  run.cost = costOf(taken.milliseconds, ending.finish_s + ending.beside_s, log_seconds);
   run.cost.peak_memory_mb = peak_memory_mb;
   if (external) {
     run.cost = external->cost;
@@ -296,7 +277,7 @@ void writeFiles(mapping::MapBuilder& method, const MapRun& run, const Ending& en
                 const std::optional<ExternalRun>& external, const Continuation& continuation,
                 const std::string& folder) {
   writePaths(run, folder);
-  if (!ending.map)
+  if (!ending.map_entropy_bits)
     mapping::saveKeyFrames(method, folder);
   else if (continuation.localise_only)
     keepMap(continuation.folder, folder);
@@ -332,8 +313,8 @@ void describeResults(const mapping::MapBuilder& method, const Ending& ending, bo
   if (const auto lost = results::lostInTheEnd(run.journal)) results["lost"] = results::lostText(*lost);
   if (run.lost_share) results["lost_share"] = files::formatNumber(*run.lost_share);
   if (is_external) results["filled_poses"] = std::to_string(run.filled_poses);
-  if (ending.map)
-    results["map_mean_entropy_bits"] = files::formatNumber(metrics::mapEntropy(ending.map->occupancy));
+  if (ending.map_entropy_bits)
+    results["map_mean_entropy_bits"] = files::formatNumber(*ending.map_entropy_bits);
   if (ending.self) results::describeSelfScore(*ending.self, results);
   results["peak_memory_mb"] = files::formatNumber(run.cost.peak_memory_mb);
   manifest.times_s["finish_s"] = ending.finish_s;
@@ -379,6 +360,7 @@ MapRun buildMap(const std::string& log_path, const files::IniFile& method_config
   const double peak_memory_mb =
       options.measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
   log.reset();
+  process::returnFreedMemory();
   if (options.observer) options.observer->onFinished(method);
   Ending ending = finisher.results();
   scoreAndDraw(method, taken, log_path, external ? "" : method.lidars, options, output.path(), run, ending,

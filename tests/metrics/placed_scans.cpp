@@ -170,6 +170,14 @@ TEST(PointSharpness, OfASampleLooksAtNoMoreThanAsked) {
   EXPECT_THROW(pointSharpness(points, 0), core::ContractError);
 }
 
+TEST(PointSharpness, IsTheSameInEveryOrderToTheLastBit) {
+  auto points = scattered(2000);
+  const auto expected = pointSharpness(points, 300);
+  std::reverse(points.begin(), points.end());
+  EXPECT_EQ(pointSharpness(points, 300).mean_map_entropy, expected.mean_map_entropy);
+  EXPECT_EQ(pointSharpness(points, 300).wall_thickness_m, expected.wall_thickness_m);
+}
+
 TEST(PointSharpness, PassesOverPointsThatLieNowhere) {
   auto points = rectangle({0, 0}, 0.1, 0.02);
   const auto expected = pointSharpness(points).mean_map_entropy;
