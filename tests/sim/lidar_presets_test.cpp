@@ -30,9 +30,9 @@ TEST(LidarPresets, AllLoadStrictlyAndGiveEveryParameter) {
     for (const auto& row : lidar::LidarOptions::table().rows())
       EXPECT_TRUE(ini.find("lidar", row.info.key)) << entry.path() << " lacks " << row.info.key;
   }
-  EXPECT_THAT(names,
-              testing::UnorderedElementsAre("thesis_360", "thesis_360_pixels", "lms291", "lms511", "tim571",
-                                            "utm30lx", "urg04lx", "rplidar_a1", "rplidar_a2"));
+  EXPECT_THAT(names, testing::UnorderedElementsAre("thesis_360", "thesis_360_pixels", "lms291", "lms511",
+                                                   "tim571", "utm30lx", "urg04lx", "rplidar_a1", "rplidar_a2",
+                                                   "lds01", "lds02"));
 }
 
 TEST(LidarPresets, HaveTheBeamStepOfTheDataSheet) {
@@ -60,6 +60,9 @@ TEST(LidarPresets, HaveTheNoiseOfTheDataSheet) {
   EXPECT_EQ(sigmaAt("urg04lx", 0.5), 0.01);
   EXPECT_DOUBLE_EQ(sigmaAt("urg04lx", 4), 0.04);
   EXPECT_DOUBLE_EQ(sigmaAt("rplidar_a1", 6), 0.06);
+  EXPECT_EQ(sigmaAt("lds01", 0.2), 0.005);
+  EXPECT_DOUBLE_EQ(sigmaAt("lds01", 2), 0.035);
+  EXPECT_DOUBLE_EQ(sigmaAt("lds02", 4), 0.06);
   EXPECT_DOUBLE_EQ(sigmaAt("rplidar_a2", 6), 0.06);
 }
 
