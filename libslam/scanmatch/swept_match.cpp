@@ -1,6 +1,7 @@
 #include "libslam/scanmatch/swept_match.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "libslam/core/elementary.h"
@@ -12,6 +13,57 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// Symmetric, of x and y in map axes.
+struct Plane {
+  double xx, xy, yy;
+};
+/// What a surfel seems to tell of where along its wall a point lies, see SurfelMap::feignedBy().
+Plane feignedBy(const SurfelMap& map, const Surfel& surfel) {
+  const double feigned = map.feignedBy(surfel);
+  if (!(feigned > 0)) return {};
+  // A wall's information is that across times the square of its normal.
+  const double per_trace = feigned / (static_cast<double>(surfel.xx) + surfel.yy);
+  return {feigned - per_trace * surfel.xx, -per_trace * surfel.xy, feigned - per_trace * surfel.yy};
+}
+
+/// Information of pose and step.
+struct Sums {
+  Eigen::Matrix3d pose = Eigen::Matrix3d::Zero(), mixed = pose, step = pose;
+  /// What `counts` times `told` of a point that moves by `s` of the step says, J = [1 0 -ry; 0 1 rx].
+  void add(const Plane& told, double counts, double s, const Beside& b) {
+    const double xx = counts * told.xx, xy = counts * told.xy, yy = counts * told.yy;
+    const double xt = -xx * b.ry + xy * b.rx, yt = -xy * b.ry + yy * b.rx;
+    Eigen::Matrix3d h;
+    h << xx, xy, xt, xy, yy, yt, xt, yt, -b.ry * xt + b.rx * yt;
+    pose += h, mixed += s * h, step += s * s * h;
+  }
+  Matrix6 matrix() const {
+    Matrix6 full;
+    full << pose, mixed, mixed, step;
+    return full;
+  }
+};
+
+/// Walls feign about so much, by chance up to twice as much.
+constexpr double kFeigned = 2;
+/// Takes from what points tell what walls feign: where information H and gradient g say that it is, they say
+/// so with less information. It is not just noise: a scan has more points ahead than those from farther back
+/// that made the map, which holds the robot back in a bare corridor.
+void takeOffFeigned(const Matrix6& feigned, Matrix6& H, Vector6& g) {
+  constexpr double kNothing = 1e-12, kOpen = 1e-9;
+  // In units that make metres and radians equal.
+  const Vector6 unit = H.diagonal().cwiseMax(kNothing).cwiseSqrt(), per_unit = unit.cwiseInverse();
+  const auto inUnits = [&](const Matrix6& M) -> Matrix6 {
+    return per_unit.asDiagonal() * M * per_unit.asDiagonal();
+  };
+  const Eigen::SelfAdjointEigenSolver<Matrix6> rest(inUnits(H - kFeigned * feigned));
+  const Matrix6 told =
+      rest.eigenvectors() * rest.eigenvalues().cwiseMax(0).asDiagonal() * rest.eigenvectors().transpose();
+  const Eigen::LDLT<Matrix6> all(inUnits(H) + kOpen * Matrix6::Identity());
+  g = unit.cwiseProduct(told * all.solve(per_unit.cwiseProduct(g)));
+  H = unit.asDiagonal() * told * unit.asDiagonal();
+}
 
 /// Over the pose at the stamp and the step's rest.
 struct SweptSystem {
@@ -25,7 +77,7 @@ SweptSystem accumulate(const std::vector<PatchPoint>& points, const std::vector<
                        const SurfelMap& map, const core::Pose2& T, double kernel) {
   const AtPose at_pose(map, T, kernel);
   SweptSystem system;
-  Eigen::Matrix3d H = Eigen::Matrix3d::Zero(), H_ago = H, H_ago2 = H;
+  Sums told, feigned;
   Eigen::Vector3d g = Eigen::Vector3d::Zero(), g_ago = g;
   for (size_t i = 0; i < points.size(); ++i) {
     const Beside b = at_pose.beside(points[i]);
@@ -34,20 +86,16 @@ SweptSystem accumulate(const std::vector<PatchPoint>& points, const std::vector<
       continue;
     }
     system.weight_sum += b.w;
-    const double told = b.w * b.share, xx = told * b.surfel->xx, xy = told * b.surfel->xy,
-                 yy = told * b.surfel->yy;
-    // J = [1 0 -ry; 0 1 rx]
-    const double xt = -xx * b.ry + xy * b.rx, yt = -xy * b.ry + yy * b.rx;
-    Eigen::Matrix3d h;
-    h << xx, xy, xt, xy, yy, yt, xt, yt, -b.ry * xt + b.rx * yt;
+    const double s = -ago[i], counts = b.w * b.share;
+    told.add({b.surfel->xx, b.surfel->xy, b.surfel->yy}, counts, s, b);
+    feigned.add(feignedBy(map, *b.surfel), counts, s, b);
     const double ax = b.w * b.ax, ay = b.w * b.ay;
     const Eigen::Vector3d r(ax, ay, -b.ry * ax + b.rx * ay);
-    const double s = -ago[i];
-    H += h, H_ago += s * h, H_ago2 += s * s * h;
     g += r, g_ago += s * r;
   }
-  system.H << H, H_ago, H_ago, H_ago2;
+  system.H = told.matrix();
   system.g << g, g_ago;
+  takeOffFeigned(feigned.matrix(), system.H, system.g);
   return system;
 }
 
@@ -115,7 +163,8 @@ SweptMatch alignSweptToSurfels(const std::vector<PatchPoint>& points, const std:
     match.more_covariance = covariance.bottomRightCorner<3, 3>();
     match.by_points =
         options.information_scale * options.information_scale * of_pose.transpose() * system.H * of_pose;
-    match.by_prior = of_pose.transpose() * held * of_pose;
+    match.by_step = of_pose.bottomRows<3>().transpose() * step * of_pose.bottomRows<3>();
+    match.by_before = of_pose.transpose() * held * of_pose - match.by_step;
     const Vector6 move = solver.solve(-g);
     if (!move.allFinite()) break;
     T = {T.x + move(0), T.y + move(1), core::wrapToPi(T.phi + move(2))};

@@ -20,9 +20,10 @@ struct SweptMatch {
   Eigen::Vector3d more = Eigen::Vector3d::Zero();             ///< of the step; x, y (m), phi (rad), map axes
   Eigen::Matrix3d more_covariance = Eigen::Matrix3d::Zero();  ///< of that, as the options weigh the points
   double score = 0;                                           ///< as MatchResult::score
-  /// What the pose errs by: times the points' variance, by them as if they were independent; and by what the
-  /// prior errs by.
-  Eigen::Matrix3d by_points = Eigen::Matrix3d::Zero(), by_prior = Eigen::Matrix3d::Zero();
+  /// What the pose errs by: times the points' variance, by them as if they were independent; by what the pose
+  /// before errs by, and by what the step does.
+  Eigen::Matrix3d by_points = Eigen::Matrix3d::Zero(), by_before = Eigen::Matrix3d::Zero(),
+                  by_step = Eigen::Matrix3d::Zero();
 };
 
 /// Of the points of a scan that was deskewed (by what: Scan::deskewing), how much of the step before the

@@ -24,6 +24,9 @@ constexpr double kScatterGain = 0.03;
 constexpr double kLeastVariance = 0.01;
 /// A sweep that lasts so many steps is none, nor has a robot gone so much farther in one, or turned.
 constexpr double kLongest = 2, kMostMore_m = 4, kMostMore_rad = 2;
+/// Where nothing holds the robot, as along a bare corridor, the map around moves along with it: of what a
+/// pose errs by against that map this share is left at the next scan.
+constexpr double kStaysInMap = 0.8;
 /// What the pose before the first swept scan errs by.
 constexpr double kFirst_m = 0.01, kFirst_rad = 0.01;
 
@@ -75,11 +78,12 @@ std::optional<Unskewer::Unskewed> Unskewer::unskew(const lidar::Scan& scan, cons
   const auto [s, c] = core::sinCos(T.phi);
   const Eigen::Vector3d& more = result.match.more;
   const Pose2 T_more{c * more.x() + s * more.y(), -s * more.x() + c * more.y(), more.z()};
-  result.noise = variance * result.match.by_points + result.match.by_prior;
+  const Eigen::Matrix3d new_noise = variance * result.match.by_points + result.match.by_step;
+  result.noise = new_noise + result.match.by_before;
   if (!core::isFinite(T) || !core::isFinite(T_more) || !result.noise.allFinite()) return std::nullopt;
   learnScatter(result.match, prior.more, told);
   result.scan = lidar::deskewed(scan, T_more, by.period_s, by.sweep);
-  covariance_ = result.noise;
+  covariance_ = new_noise + kStaysInMap * result.match.by_before;
   return result;
 }
 

@@ -41,7 +41,7 @@ class Unskewer {
 
   const keyframes::KeyframeMap* map_;
   double scatter_xy_ = 1, scatter_turn_ = 1;   ///< of odometry's steps, over what is expected of any robot's
-  std::optional<Eigen::Matrix3d> covariance_;  ///< Unskewed::noise of the scan before
+  std::optional<Eigen::Matrix3d> covariance_;  ///< of the scan before, against the map as it is now
 };
 
 }  // namespace slam::tracking

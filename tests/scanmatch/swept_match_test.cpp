@@ -129,9 +129,41 @@ TEST(SweptMatch, ErrsByThePriorWhereTheScanTellsNothing) {
   for (size_t i = 0; i < points.size(); ++i)
     ago.push_back(static_cast<float>(i) / static_cast<float>(points.size()));
   const auto match = alignSweptToSurfels(points, ago, map, startAt(side), around(side), options());
-  const double along_m = std::sqrt(match.by_prior(0, 0)), across_m = std::sqrt(match.by_prior(1, 1));
+  const Eigen::Matrix3d by_prior = match.by_before + match.by_step;
+  const double along_m = std::sqrt(by_prior(0, 0)), across_m = std::sqrt(by_prior(1, 1));
   EXPECT_GT(along_m, 0.01);  // the step's 0.02
   EXPECT_LT(across_m, 0.5 * along_m);
+}
+
+// Ahead a scan has more points than those from farther back that made the map.
+TEST(SweptMatch, ABareCorridorDoesNotHoldTheRobotBack) {
+  const auto walls = rectangle(-200, -1, 200, 1);
+  Lidar near_sighted;
+  near_sighted.beams = 360, near_sighted.fov_rad = 2 * core::kPi;
+  near_sighted.max_range_m = 3.5, near_sighted.noise_m = 0.03;
+  SweptPrior prior;
+  prior.before.mean = {0.1, 0, 0};
+  prior.before.information = Eigen::Vector3d(1700, 1700, 1e4).asDiagonal();
+  prior.step_information = prior.before.information;
+  double found_m = 0;
+  constexpr int kDrawn = 20;
+  for (std::uint64_t seed = 1; seed <= kDrawn; ++seed) {
+    core::RandomStream chance(seed, "scans");
+    SurfelMap map(0.1, 0.005, true);
+    map.clear({}, 10);
+    for (int i = 0; i <= 7; ++i) {
+      const Pose2 T{-0.3 * i, 0, 0};
+      map.add(patchPoints(scanmatch_test::look(walls, T, near_sighted, chance), {}), T);
+    }
+    const auto points = patchPoints(scanmatch_test::look(walls, prior.before.mean, near_sighted, chance), {});
+    std::vector<float> ago;
+    for (size_t i = 0; i < points.size(); ++i)
+      ago.push_back(1 - static_cast<float>(i) / static_cast<float>(points.size()));
+    found_m +=
+        alignSweptToSurfels(points, ago, map, startAt(prior.before.mean), prior, options()).T_map_robot.x /
+        kDrawn;
+  }
+  EXPECT_NEAR(found_m, prior.before.mean.x, 0.003);
 }
 
 TEST(SweptMatch, WithoutPointsNothingMoves) {
