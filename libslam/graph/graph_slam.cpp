@@ -142,7 +142,7 @@ void GraphSlam::addKeyframe(const lidar::Scan& scan, std::vector<PatchPoint> poi
     uncertainty::noteMatch(*map_, uncertainty_.evidence(), uncertainty_.least());
   }
   anchor_ = k;
-  uncertainty_.beginKeyframe();
+  uncertainty_.beginKeyframe(k);
   T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = {};
   odometry_holds_ = true;
   if (options_.loops && k > 0)

@@ -19,6 +19,7 @@ struct Inheritance {
   std::vector<View> views;
   /// Times a view's information: the share of its error that is taken over.
   Eigen::Matrix3d gain = Eigen::Matrix3d::Zero();
+  int before = -1;       ///< keyframe that had the pose before; -1: the one that odometry's edge is from
   core::Symmetric3 own;  ///< covariance of what is new; zero: all that is known is odometry's edge
   /// What it sees itself errs by so many standard deviations of a point's noise: of a spinning lidar by more
   /// than one, since how the robot moved in its sweep is not known exactly.

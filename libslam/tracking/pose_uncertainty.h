@@ -35,16 +35,16 @@ class PoseUncertainty {
   Eigen::Matrix3d sinceKeyframe(int keyframe) const;
 
   /// The robot is where it is told to be.
-  void restart() { covariance_.setZero(), from_keyframe_.setZero(), inheriting_.beginKeyframe(); }
+  void restart() { covariance_.setZero(), from_keyframe_.setZero(), inheriting_.begin(-1); }
   /// The robot's pose became a keyframe's, or another keyframe tells it now.
-  void beginKeyframe() { from_keyframe_.setZero(), inheriting_.beginKeyframe(); }
-  void hangOnKeyframe() { from_keyframe_ = noise_, inheriting_.beginKeyframe(); }
+  void beginKeyframe(int keyframe) { from_keyframe_.setZero(), inheriting_.begin(keyframe); }
+  void hangOnKeyframe() { from_keyframe_ += noise_; }
   /// Of a keyframe at the scan at hand.
   keyframes::Inheritance inheritance() const { return inheriting_.of(evidence_); }
   void setCovariance(const Eigen::Matrix3d& covariance) { covariance_ = covariance; }
   /// What the scan at hand was matched to is a place where the robot is not: odometry alone tells of its
   /// pose.
-  void forgetViews() { evidence_.by_view.clear(), inheriting_.beginKeyframe(); }
+  void forgetViews() { evidence_.by_view.clear(), inheriting_.begin(-1); }
 
   const scanmatch::MatchEvidence& evidence() const { return evidence_; }
   const Eigen::Matrix3d& covariance() const { return covariance_; }  ///< in the map

@@ -100,7 +100,8 @@ ErrorFlow::Equation ErrorFlow::inherited(const KeyframeMap& map, int k) const {
               -points_err * from.gain * moved(here, position(map.pose(view.keyframe))).transpose() * root);
     }
   }
-  addPart(equation, unknownOf(pose_, step.from), -left * moved(position(map.pose(step.from)), here));
+  const int before = from.own.isZero() || from.before < 0 ? step.from : from.before;
+  addPart(equation, unknownOf(pose_, before), -left * moved(position(map.pose(before)), here));
   return equation;
 }
 

@@ -22,6 +22,7 @@ void Inheriting::carryOn(const PoseError& match, const Eigen::Matrix3d& since,
 keyframes::Inheritance Inheriting::of(const scanmatch::MatchEvidence& evidence) const {
   keyframes::Inheritance result;
   result.gain = gain_;
+  result.before = before_;
   result.own = own_;
   result.points_err = points_err_;
   for (const auto& view : evidence.by_view)

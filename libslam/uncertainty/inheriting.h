@@ -16,12 +16,14 @@ class Inheriting {
   void carryOn(const PoseError& match, const Eigen::Matrix3d& since, const Eigen::Matrix3d& odometry);
   /// A keyframe at the scan at hand, which tells this.
   keyframes::Inheritance of(const scanmatch::MatchEvidence& evidence) const;
-  /// What follows hangs on a keyframe.
-  void beginKeyframe() { gain_.setZero(), own_.setZero(); }
+  /// What follows begins at a keyframe; -1: none that is known. A robot that is hung on others meanwhile goes
+  /// on as before: where their surfaces tell nothing, it errs by what it came with, not by what they do.
+  void begin(int keyframe) { gain_.setZero(), own_.setZero(), before_ = keyframe; }
 
  private:
   Eigen::Matrix3d gain_ = Eigen::Matrix3d::Zero(), own_ = Eigen::Matrix3d::Zero();
   double points_err_ = 1;  ///< of the last scan
+  int before_ = -1;        ///< keyframe that this began at
 };
 
 }  // namespace slam::uncertainty

@@ -64,11 +64,12 @@ TEST_F(Standing, WhatIsInheritedBeginsAnewWithEveryKeyframe) {
   const double once = uncertainty.inheritance().gain(0, 0);
   stand(uncertainty);
   EXPECT_GT(uncertainty.inheritance().gain(0, 0), once);
-  uncertainty.beginKeyframe();
+  uncertainty.beginKeyframe(3);
   stand(uncertainty);
   EXPECT_DOUBLE_EQ(uncertainty.inheritance().gain(0, 0), once);
   uncertainty.hangOnKeyframe();
-  EXPECT_EQ(uncertainty.inheritance().gain(0, 0), 0);
+  EXPECT_DOUBLE_EQ(uncertainty.inheritance().gain(0, 0), once) << "on known ground it goes on";
+  EXPECT_EQ(uncertainty.inheritance().before, 3);
 }
 
 TEST_F(Standing, WhereTheRobotIsNotNothingIsInherited) {

@@ -86,6 +86,21 @@ TEST(ErrorFlow, WhatAMatchLeavesIsOfThePoseBefore) {
   EXPECT_NEAR(pile.x(2), 0.01 + 0.25 * 0.25 * 0.002 + 0.002, 1e-9);
 }
 
+// Along a bare corridor: of a robot that was hung on another keyframe meanwhile, it is that at which all that
+// it errs by began.
+TEST(ErrorFlow, WhatAMatchLeavesIsOfTheKeyframeThatItWasGatheredFrom) {
+  Pile hung;
+  hung.add({});
+  Inheritance along;
+  along.own = kOwn;
+  for (int k = 1; k <= 3; ++k) hung.add(along);
+  along.before = 1;
+  hung.add(along);
+  EXPECT_NEAR(hung.between(1, 4), 0.002, 1e-9);
+  EXPECT_NEAR(hung.between(3, 4), 3 * 0.002, 1e-9) << "from which odometry's edge is";
+  EXPECT_NEAR(hung.x(4), 2 * 0.002, 1e-9);
+}
+
 // A mean of two views: were it a measurement of the way between them, that way would be known the better the
 // more keyframes are matched to both.
 TEST(ErrorFlow, WhoIsMatchedToTwoViewsMakesThemNoSurer) {

@@ -32,8 +32,10 @@ TEST(Inheriting, KeepsTheViewsThatToldMostAndAddsUpFromScanToScan) {
   const auto twice = inheriting.of(evidence);
   EXPECT_NEAR(twice.own.matrix()(0, 0), 0.25 * (0.012 + 0.04) + 0.002, 1e-12);
   EXPECT_NEAR(twice.gain(0, 0), 0.5 * 0.1 + 0.1, 1e-12);
-  inheriting.beginKeyframe();
+  EXPECT_EQ(twice.before, -1);
+  inheriting.begin(7);
   EXPECT_TRUE(inheriting.of({}).own.isZero());
+  EXPECT_EQ(inheriting.of({}).before, 7);
 }
 
 TEST(Inheriting, WhatTheMatchDoesNotTellTheKeyframesPointsErrByToo) {
