@@ -50,8 +50,8 @@ void serialise(const mrpt::serialization::CSerializable& object, mrpt::io::CMemo
 }
 
 void writePacked(const mrpt::io::CMemoryStream& buffer, const std::string& path) {
-  files::writeFileAtomically(path, resources::gzip({static_cast<const char*>(buffer.getRawBufferData()),
-                                                    buffer.getTotalBytesCount()}));
+  resources::writeGzipFile(
+      path, {static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()});
 }
 
 void writeObject(const mrpt::serialization::CSerializable& object, const std::string& path) {

@@ -2,9 +2,12 @@
 
 #include <zlib.h>
 
-#include <vector>
+#include <cerrno>
+#include <cstring>
+#include <memory>
 
 #include "libslam/core/error.h"
+#include "libslam/files/files.h"
 
 namespace slam::resources {
 
@@ -13,21 +16,35 @@ std::string gzip(std::string_view bytes) {
   constexpr int kGzipWindow = 15 + 16;
   if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindow, 8, Z_DEFAULT_STRATEGY) != Z_OK)
     throw core::IoError("zlib cannot begin to compress");
+  std::string packed(deflateBound(&stream, bytes.size()), '\0');
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib does not write there
   stream.avail_in = static_cast<uInt>(bytes.size());
-  // By and by: a map packs to a hundredth of what it may at worst.
-  std::string packed;
-  std::vector<char> piece(1U << 16U);
-  int status = Z_OK;
-  while (status == Z_OK) {
-    stream.next_out = reinterpret_cast<Bytef*>(piece.data());
-    stream.avail_out = static_cast<uInt>(piece.size());
-    status = deflate(&stream, Z_FINISH);
-    packed.append(piece.data(), piece.size() - stream.avail_out);
-  }
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  const int status = deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
   deflateEnd(&stream);
   if (status != Z_STREAM_END) throw core::IoError("zlib cannot compress");
   return packed;
+}
+
+void writeGzipFile(const std::string& path, std::string_view bytes) {
+  files::PendingFile file(path);
+  const auto fail = [&] {
+    throw core::IoError(path + ": cannot be written: " + std::strerror(errno ? errno : EIO));
+  };
+  errno = 0;
+  std::unique_ptr<gzFile_s, int (*)(gzFile_s*)> packed(gzopen(file.path().c_str(), "wb"), gzclose);
+  if (!packed) fail();
+  constexpr size_t kAtOnce = 1U << 20U;
+  for (size_t at = 0; at < bytes.size(); at += kAtOnce) {
+    const auto piece = bytes.substr(at, kAtOnce);
+    if (gzwrite(packed.get(), piece.data(), static_cast<unsigned>(piece.size())) !=
+        static_cast<int>(piece.size()))
+      fail();
+  }
+  if (gzclose(packed.release()) != Z_OK) fail();
+  file.commit();
 }
 
 }  // namespace slam::resources

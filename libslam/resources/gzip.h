@@ -8,4 +8,7 @@ namespace slam::resources {
 /// is no memory for it.
 std::string gzip(std::string_view bytes);
 
+/// The same into a file, written beside and renamed, with no copy in memory. Errors: IoError.
+void writeGzipFile(const std::string& path, std::string_view bytes);
+
 }  // namespace slam::resources

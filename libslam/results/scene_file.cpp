@@ -42,8 +42,8 @@ void save(const COpenGLScene& scene, const std::string& file) {
   mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(true);
   mrpt::io::CMemoryStream buffer;
   mrpt::serialization::archiveFrom(buffer) << scene;
-  files::writeFileAtomically(file, resources::gzip({static_cast<const char*>(buffer.getRawBufferData()),
-                                                    buffer.getTotalBytesCount()}));
+  resources::writeGzipFile(
+      file, {static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()});
 }
 
 using mrpt::img::TColor;
