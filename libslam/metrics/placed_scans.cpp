@@ -20,8 +20,8 @@ namespace {
 using core::kNaN;
 constexpr double kRounding = 1e-9;  // "within the reach" must not depend on the last digit of a coordinate
 
-/// Points in square bins as wide as the neighbourhood, so that neighbours lie in 3 x 3 bins; sorted where they
-/// lie, and not copied: they are many.
+/// Points in square bins as wide as the neighbourhood, so that neighbours lie in 3 x 3 bins; sorted where
+/// they lie, and not copied: they are many.
 class Bins {
  public:
   explicit Bins(std::vector<core::Point2> points) : points_(std::move(points)) {
