@@ -18,29 +18,33 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 struct Plane {
   double xx, xy, yy;
 };
-/// What a surfel seems to tell of where along its wall a point lies, see SurfelMap::feignedBy().
+/// What a wall's surfel seems to tell of where along the wall a point lies, see SurfelMap::feignedBy().
 Plane feignedBy(const SurfelMap& map, const Surfel& surfel) {
   const double feigned = map.feignedBy(surfel);
-  if (!(feigned > 0)) return {};
   // A wall's information is that across times the square of its normal.
   const double per_trace = feigned / (static_cast<double>(surfel.xx) + surfel.yy);
   return {feigned - per_trace * surfel.xx, -per_trace * surfel.xy, feigned - per_trace * surfel.yy};
 }
 
-/// Information of pose and step.
+/// Information of pose and step; of each block, which is symmetric, xx, xy, yy, xt, yt and tt.
 struct Sums {
-  Eigen::Matrix3d pose = Eigen::Matrix3d::Zero(), mixed = pose, step = pose;
+  Vector6 pose = Vector6::Zero(), mixed = pose, step = pose;
   /// What `counts` times `told` of a point that moves by `s` of the step says, J = [1 0 -ry; 0 1 rx].
   void add(const Plane& told, double counts, double s, const Beside& b) {
     const double xx = counts * told.xx, xy = counts * told.xy, yy = counts * told.yy;
     const double xt = -xx * b.ry + xy * b.rx, yt = -xy * b.ry + yy * b.rx;
-    Eigen::Matrix3d h;
-    h << xx, xy, xt, xy, yy, yt, xt, yt, -b.ry * xt + b.rx * yt;
+    Vector6 h;
+    h << xx, xy, yy, xt, yt, -b.ry * xt + b.rx * yt;
     pose += h, mixed += s * h, step += s * s * h;
+  }
+  static Eigen::Matrix3d block(const Vector6& h) {
+    Eigen::Matrix3d full;
+    full << h(0), h(1), h(3), h(1), h(2), h(4), h(3), h(4), h(5);
+    return full;
   }
   Matrix6 matrix() const {
     Matrix6 full;
-    full << pose, mixed, mixed, step;
+    full << block(pose), block(mixed), block(mixed), block(step);
     return full;
   }
 };
@@ -88,7 +92,7 @@ SweptSystem accumulate(const std::vector<PatchPoint>& points, const std::vector<
     system.weight_sum += b.w;
     const double s = -ago[i], counts = b.w * b.share;
     told.add({b.surfel->xx, b.surfel->xy, b.surfel->yy}, counts, s, b);
-    feigned.add(feignedBy(map, *b.surfel), counts, s, b);
+    if (map.feignedBy(*b.surfel) > 0) feigned.add(feignedBy(map, *b.surfel), counts, s, b);
     const double ax = b.w * b.ax, ay = b.w * b.ay;
     const Eigen::Vector3d r(ax, ay, -b.ry * ax + b.rx * ay);
     g += r, g_ago += s * r;
