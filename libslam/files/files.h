@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+struct gzFile_s;
+
 namespace slam::files {
 
 /// The whole file. Errors: missing, a directory, unreadable (InputError with the path).
@@ -67,9 +69,28 @@ class GrowingFile {
   std::ofstream out_;
 };
 
-/// The same for a folder: made empty beside the final name, renamed by commit(), removed otherwise; locked
-/// meanwhile (OutputLock), and what a killed process of ours has left beside is cleaned up.
-/// An existing final folder is replaced, in one step, at commit() only when `overwrite`, and only when it is
+/// A file that is packed by gzip as it is written. Its header has neither name nor time: equal content gives
+/// equal bytes. Errors: IoError naming `final_path`, under which it will be known.
+class GzipFile {
+ public:
+  GzipFile(const std::string& path, std::string final_path);
+  ~GzipFile();
+  GzipFile(const GzipFile&) = delete;
+  GzipFile& operator=(const GzipFile&) = delete;
+
+  void write(std::string_view bytes);
+  /// The rest to the disk.
+  void close();
+
+ private:
+  [[noreturn]] void fail(int otherwise) const;
+  std::string final_path_;
+  gzFile_s* file_ = nullptr;
+};
+
+/// As PendingFile, for a folder: made empty beside the final name, renamed by commit(), removed otherwise;
+/// locked meanwhile (OutputLock), and what a killed process of ours has left beside is cleaned up. An
+/// existing final folder is replaced, in one step, at commit() only when `overwrite`, and only when it is
 /// empty or holds a manifest.json (so it is a result of ours and not somebody's home); else the constructor
 /// throws InputError. The final folder's parents are made if missing.
 class PendingFolder {

@@ -44,11 +44,11 @@ COccupancyGridMap2D plainCopy(const COccupancyGridMap2D& grid) {
   return plain;
 }
 
-/// MRPT's own writers go through gzip streams that do not report a full disk.
 void serialise(const mrpt::serialization::CSerializable& object, mrpt::io::CMemoryStream& buffer) {
   mrpt::serialization::archiveFrom(buffer) << object;
 }
 
+/// MRPT's own writers go through gzip streams that do not report a full disk.
 void writePacked(const mrpt::io::CMemoryStream& buffer, const std::string& path) {
   resources::writeGzipFile(
       path, {static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()});

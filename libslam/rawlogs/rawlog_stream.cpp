@@ -12,10 +12,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstddef>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <new>
@@ -317,38 +315,25 @@ std::shared_ptr<mrpt::serialization::CSerializable> RawlogObjects::next() {
 }
 
 PackingStream::PackingStream(const std::string& path, std::string final_path)
-    : final_path_(std::move(final_path)) {
-  errno = 0;
-  file_ = gzopen(path.c_str(), "wb");
-  if (!file_) fail(errno ? errno : ENOMEM);
-}
-
-PackingStream::~PackingStream() {
-  if (file_) gzclose(file_);
-}
-
-void PackingStream::fail(int error_number) {
-  error_number_ = error_number;
-  throw core::IoError(final_path_ + ": cannot be written: " + std::strerror(error_number));
-}
+    : file_(path, std::move(final_path)) {}
 
 void PackingStream::rethrowFailure() const {
-  if (error_number_ != 0)
-    throw core::IoError(final_path_ + ": cannot be written: " + std::strerror(error_number_));
+  if (failure_) throw core::IoError(*failure_);
 }
 
 size_t PackingStream::Write(const void* buffer, size_t count) {
-  errno = 0;
-  if (gzwrite(file_, buffer, static_cast<unsigned>(count)) != static_cast<int>(count))
-    fail(errno ? errno : EIO);
+  try {
+    file_.write({static_cast<const char*>(buffer), count});
+  } catch (const core::IoError& error) {
+    failure_ = error.what();
+    throw;
+  }
   position_ += count;
   return count;
 }
 
 void PackingStream::close() {
-  errno = 0;
-  const int result = gzclose(std::exchange(file_, nullptr));
-  if (result != Z_OK) fail(errno ? errno : EIO);
+  file_.close();
 }
 
 size_t PackingStream::Read(void*, size_t) {

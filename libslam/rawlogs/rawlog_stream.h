@@ -1,10 +1,10 @@
 #pragma once
 // For the .cpp files of this room only: it needs MRPT's stream interface.
 #include <mrpt/io/CStream.h>
-#include <zlib.h>
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "libslam/files/files.h"
@@ -52,14 +52,11 @@ class RawlogObjects : public objects::ObjectSource {
   std::uint64_t count_ = 0;
 };
 
-/// gzip with a header that carries neither name nor time, so that equal content gives equal bytes.
+/// What MRPT serialises, packed by gzip into a file.
 class PackingStream : public mrpt::io::CStream {
  public:
   /// Errors: IoError naming `final_path` when `path` cannot be opened.
   PackingStream(const std::string& path, std::string final_path);
-  ~PackingStream() override;
-  PackingStream(const PackingStream&) = delete;
-  PackingStream& operator=(const PackingStream&) = delete;
 
   /// All bytes, or IoError.
   size_t Write(const void* buffer, size_t count) override;
@@ -74,10 +71,8 @@ class PackingStream : public mrpt::io::CStream {
   std::uint64_t getPosition() const override { return position_; }
 
  private:
-  [[noreturn]] void fail(int error_number);
-  std::string final_path_;
-  gzFile file_ = nullptr;
-  int error_number_ = 0;  ///< errno of the failure
+  files::GzipFile file_;
+  std::optional<std::string> failure_;  ///< of writing
   std::uint64_t position_ = 0;
 };
 

@@ -2,10 +2,6 @@
 
 #include <zlib.h>
 
-#include <cerrno>
-#include <cstring>
-#include <memory>
-
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 
@@ -29,22 +25,11 @@ std::string gzip(std::string_view bytes) {
 }
 
 void writeGzipFile(const std::string& path, std::string_view bytes) {
-  files::PendingFile file(path);
-  const auto fail = [&] {
-    throw core::IoError(path + ": cannot be written: " + std::strerror(errno ? errno : EIO));
-  };
-  errno = 0;
-  std::unique_ptr<gzFile_s, int (*)(gzFile_s*)> packed(gzopen(file.path().c_str(), "wb"), gzclose);
-  if (!packed) fail();
-  constexpr size_t kAtOnce = 1U << 20U;
-  for (size_t at = 0; at < bytes.size(); at += kAtOnce) {
-    const auto piece = bytes.substr(at, kAtOnce);
-    if (gzwrite(packed.get(), piece.data(), static_cast<unsigned>(piece.size())) !=
-        static_cast<int>(piece.size()))
-      fail();
-  }
-  if (gzclose(packed.release()) != Z_OK) fail();
-  file.commit();
+  files::PendingFile pending(path);
+  files::GzipFile packed(pending.path(), path);
+  packed.write(bytes);
+  packed.close();
+  pending.commit();
 }
 
 }  // namespace slam::resources

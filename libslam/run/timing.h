@@ -6,7 +6,8 @@
 
 namespace slam::run {
 
-/// Of the CPU times of a log's scans (ms); `more_s`: beside theirs. The factor: how much faster than the log.
+/// Of the CPU times of a log's scans; `more_s`: CPU time beside theirs. Without scans zeros, and no memory in
+/// any case.
 results::Cost costOf(std::vector<double> milliseconds, double more_s, double log_seconds);
 
 /// The file of them: scan, seconds since the first, ms. REQUIRES as many stamps.

@@ -49,7 +49,8 @@ struct Sums {
   }
 };
 
-/// Walls feign about so much, by chance up to twice as much.
+/// So many times what walls feign on the average. With once as much a corridor of 13 m still came out 5 to 9
+/// cm short under a lidar that sees 3.5 m; with twice and four times it did not.
 constexpr double kFeigned = 2;
 /// Takes from what points tell what walls feign: where information H and gradient g say that it is, they say
 /// so with less information. It is not just noise: a scan has more points ahead than those from farther back
