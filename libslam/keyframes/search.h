@@ -45,6 +45,9 @@ inline constexpr int kConfirmEdges = 4;
 /// What a scan says for a place, in nats, when all of it is explained and nothing contradicted; neighbouring
 /// beams err together, so that a scan stands for some ten independent points.
 inline constexpr double kNatsPerScan = 10;
+/// What is contradicted says more than what is explained: ln(0.3 / 0.04) to ln(0.9 / 0.55), of how often a
+/// point is either at a wrong place and at the right one, where some furniture was moved.
+inline constexpr double kContradicted = 4;
 /// The best place of a part must be ahead of every other by so much: one wrong join in a million.
 inline constexpr double kAhead = 14;
 /// A scan of which a map says less than this share says nothing of where it lies there.

@@ -142,6 +142,11 @@ struct Box {
   }
   double diagonal_m() const { return least.x > most.x ? 0 : core::distance(least, most); }
 };
+/// What a map says of one point of a trail at a place: the share of what is seen there that it explains, that
+/// it contradicts (of what it says anything of), and of which it says nothing.
+struct Answer {
+  double explained, contradicted, unknown;
+};
 /// A place of a trail in another part of the map, while the rest of the trail is held against it, to both
 /// sides.
 struct Join {
@@ -150,13 +155,15 @@ struct Join {
   int back_to;  ///< the trail is not asked farther back
   int asked = 0, told = 0, fitting = 0, failures = 0;
   double evidence = 0, distinct = 0;  ///< nats; sum of distinctness()
-  std::map<int, Said> says;           ///< of every point of the trail that was asked
-  std::vector<Cursor> placed;         ///< points of the trail that fit
-  Box fits, followed;                 ///< where the trail fits, and where nothing contradicts it
-  int proved = 0;                     ///< places, times kHeadings, that were shown not to be as good
-  int proof_from = 0;                 ///< points that have to fit before the proof goes on
-  int old_keyframe = 0;               ///< nearest at `forth`
-  int places_left = 0;                ///< of the whole map, not looked at yet since it was found
+  std::map<int, Answer> says;         ///< of every point of the trail that was asked
+  /// Contradicted shares of all that were told, by the map there and by the rest of the trail.
+  double against = 0, against_itself = 0;
+  std::vector<Cursor> placed;      ///< points of the trail that fit
+  Box fits, followed;              ///< where the trail fits, and where nothing contradicts it
+  int proved = 0;                  ///< places, times kHeadings, that were shown not to be as good
+  std::vector<core::Pose2> twins;  ///< T_map_trail of places that hold the trail nearly as well
+  int old_keyframe = 0;            ///< nearest at `forth`
+  int places_left = 0;             ///< of the whole map, not looked at yet since it was found
   double score = 0;
   std::vector<posegraph::Edge> edges;
 };
@@ -171,11 +178,6 @@ struct Overlay {
   std::vector<Cursor> placed;  ///< those that fit and are well seen
   Box fits;
   std::vector<posegraph::Edge> edges;
-};
-/// A place that a trail was followed through until it failed, and the extent over which it fitted.
-struct Refuted {
-  core::Pose2 T_map_trail;
-  double fits_m;
 };
 /// What a keyframe's beams say of a point: one ended there; they went on behind it; or neither.
 enum class Sight { kAgreed, kPassed, kUnseen };

@@ -20,9 +20,6 @@ constexpr int kLeastAnchorStep = 5, kMostAnchors = 24, kLeastAnchors = 3;
 constexpr size_t kMostOverlays = 12;
 /// Two places are the same: maps drift.
 constexpr double kSame_m = 2, kSame_rad = 0.2;
-/// What is contradicted says more than what is explained: ln(0.3 / 0.04) to ln(0.9 / 0.55), of how often a
-/// point is either at a wrong place and at the right one, where some furniture was moved.
-constexpr double kContradicted = 4;
 /// A keyframe that contradicts the map by more does not fit; furniture may have been moved.
 constexpr double kMostConflict = 0.2;
 /// The part has to fit over this extent, and its keyframes of which the map says anything in this share.
@@ -166,7 +163,8 @@ void PartFinder::lay(keyframes::Overlay& one, keyframes::Cursor& cursor, int k) 
   const bool is_near = keyframes::isFollowed(T, expected);
   const double conflict = conflictOf(k - join_first_, viewers, is_near ? T : expected);
   ++one.told;
-  one.nats += keyframes::kNatsPerScan * ((is_near ? matched.score : 0) - kContradicted * conflict * telling);
+  one.nats += keyframes::kNatsPerScan *
+              ((is_near ? matched.score : 0) - keyframes::kContradicted * conflict * telling);
   // Of what lies beyond the map nothing can be explained.
   if (!is_near || matched.score < options_->loop_confirm_score * telling || conflict >= kMostConflict) return;
   ++one.fitting;

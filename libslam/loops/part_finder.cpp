@@ -13,6 +13,7 @@ namespace {
 
 using core::Point2;
 using core::Pose2;
+using keyframes::Cursor;
 using scanmatch::PatchPoint;
 
 /// Points of a trail that are held against the map at each scan: what a search may cost is spread.
@@ -21,35 +22,11 @@ constexpr int kChecksPerScan = 3;
 constexpr int kLongestTrail = 40, kMostJoins = 12;
 /// A place may fail kMostFailures times, and once more for every so many points that fit.
 constexpr int kFittingPerFailure = 5;
-/// And it was followed over this extent without failing, and fits over half of it: rooms that look alike are
-/// smaller. So far where a point of the trail is by kDistinct more like its place than like those beside it;
-/// less far where that is plainer, and the farther along a corridor or in a yard, which goes on like itself.
-constexpr double kExtent_m = 4, kDistinct = 0.4, kShortest = 0.5, kLongest = 4;
 /// Before a place is followed some points of the trail are asked whether the map contradicts it there.
 constexpr int kFirstAsked = 6;
 constexpr double kFirstConflict = 0.25;
 /// Two places are the same.
 constexpr double kSame_m = 0.5, kSame_rad = 0.1;
-/// A trail is proved to lie at one place only: points that are asked, by how much less others hold it, and
-/// how many are tried per scan.
-constexpr size_t kProofPoints = 120;
-constexpr double kProofMargin = 0.1;
-constexpr double kTwin_m = 2, kTwin_rad = 0.5;
-/// A twin that was followed and left behind counts no more when this one fits over so many times its extent.
-constexpr double kRefuted = 2;
-/// Points that have to fit, after a twin was found, before the next proof.
-constexpr int kFitsBetweenProofs = 4;
-constexpr int kProofsPerScan = 2;
-
-bool isSame(const Pose2& a, const Pose2& b) {
-  return core::distance(a, b) < kTwin_m && std::abs(core::angleDifference(a.phi, b.phi)) < kTwin_rad;
-}
-
-/// Over what extent a place has to be followed.
-double extentToFollow_m(const keyframes::Join& join) {
-  const double ratio = kDistinct * join.fitting / std::max(join.distinct, 1e-9);
-  return kExtent_m * std::clamp(ratio * ratio, kShortest, kLongest);
-}
 
 }  // namespace
 
@@ -94,32 +71,35 @@ void PartFinder::lookAtNextPlace(int component) {
   const auto matched = matchAtPlace(query, place, heading);
   if (!matched) return;
   map_->note(core::JournalEvent::kFound, matched->score, place);
-  addJoin(place, matched->T_map_robot);
+  addJoin(place, {last, matched->T_map_robot});
 }
 
-/// The place is followed from now on, unless it is already, or the trail contradicts it at once.
-void PartFinder::addJoin(int place, const Pose2& T_map_robot) {
+/// The place is followed from now on, from that point of the trail, unless it is already, or the trail
+/// contradicts it at once. Too many are followed: the worst is not any more, unless it is the one to be kept.
+PartFinder::Added PartFinder::addJoin(int place, const Cursor& found, const keyframes::Join* kept) {
   const int last = trailSize() - 1;
   keyframes::Join join;
   join.place = join.old_keyframe = place;
-  join.forth = join.back = {last, T_map_robot};
+  join.forth = join.back = found;
   join.back_to = std::max(0, last - kLongestTrail);
   join.places_left = static_cast<int>(places_.size()) - 1;
-  join.fits = join.followed = {core::position(T_map_robot), core::position(T_map_robot)};
-  if (isKnown(join) || !isPlausible(join)) return;
-  holdAgainst(join, join.forth, last);
-  if (join.fitting == 0) return;
+  join.fits = join.followed = {core::position(found.T_map_robot), core::position(found.T_map_robot)};
+  if (isKnown(join)) return Added::kKnown;
+  if (!isPlausible(join)) return Added::kContradicted;
+  holdAgainst(join, join.forth, found.at);
+  if (join.fitting == 0) return Added::kFitsNot;
   join.back.T_map_robot = join.forth.T_map_robot;
   if (static_cast<int>(joins_.size()) == kMostJoins) {
-    const auto worst = std::min_element(joins_.begin(), joins_.end(),
-                                        [](const keyframes::Join& a, const keyframes::Join& b) {
-                                          return a.evidence * b.asked < b.evidence * a.asked;
-                                        });
+    const auto worst = std::min_element(
+        joins_.begin(), joins_.end(), [&](const keyframes::Join& a, const keyframes::Join& b) {
+          return &a != kept && (&b == kept || a.evidence * b.asked < b.evidence * a.asked);
+        });
     joins_.erase(worst);
     // It may have been the one.
     for (auto& known : joins_) known.places_left = static_cast<int>(places_.size());
   }
   joins_.push_back(std::move(join));
+  return Added::kNew;
 }
 
 bool PartFinder::isKnown(const keyframes::Join& join) const {
@@ -133,11 +113,11 @@ bool PartFinder::isKnown(const keyframes::Join& join) const {
 
 /// Whether the map does not contradict the trail on the whole.
 bool PartFinder::isPlausible(const keyframes::Join& join) const {
-  const int last = join.forth.at;
+  const int last = trailSize() - 1;
   double against = 0, telling = 0;
   for (int n = 0; n < kFirstAsked; ++n) {
     const int i = last - (last - join.back_to) * n / (kFirstAsked - 1);
-    const Pose2 T = join.forth.T_map_robot * core::between(trailPose(last), trailPose(i));
+    const Pose2 T = join.forth.T_map_robot * core::between(trailPose(join.forth.at), trailPose(i));
     const keyframes::Told told = map_->toldBy(
         map_->keyframesNear(core::position(T), map_->componentOf(join.place), keyframes::kAskedViewers),
         trailPoints(i), T);
@@ -163,6 +143,19 @@ double PartFinder::conflictOf(int trail_point, const std::vector<int>& viewers,
   return std::max(theirs, its / static_cast<double>(viewers.size()));
 }
 
+/// The same of what was seen around a point of a part, by the part itself. Of a robot that is lost in a
+/// finished map that is not known.
+double PartFinder::contradictsItself(int trail_point) {
+  if (is_lost_) return 0;
+  const auto known = itself_.find(trail_point);
+  if (known != itself_.end()) return known->second;
+  const int k = join_first_ + trail_point;
+  const Pose2& T = map_->pose(k);
+  auto viewers = map_->keyframesNear(core::position(T), map_->componentOf(k), keyframes::kViewers + 1);
+  viewers.erase(std::remove(viewers.begin(), viewers.end(), k), viewers.end());
+  return itself_[trail_point] = conflictOf(trail_point, viewers, T);
+}
+
 /// Moves a place on to the next point of its trail.
 void PartFinder::holdAgainst(keyframes::Join& join, keyframes::Cursor& cursor, int next) {
   const Pose2 expected = cursor.T_map_robot * core::between(trailPose(cursor.at), trailPose(next));
@@ -175,7 +168,7 @@ void PartFinder::holdAgainst(keyframes::Join& join, keyframes::Cursor& cursor, i
   const double unknown = 1 - std::min(map_->toldBy(viewers, points, expected).telling, 1.0);
   if (1 - unknown < keyframes::kToldToJoin) {
     join.followed.add(core::position(expected));
-    join.says[next] = {0, 1};
+    join.says[next] = {0, 0, 1};
     return;
   }
   ++join.told;
@@ -183,15 +176,17 @@ void PartFinder::holdAgainst(keyframes::Join& join, keyframes::Cursor& cursor, i
   const auto matched = keyframes::match(points, maps, expected, keyframes::followedTo(expected), 0, false);
   const Pose2& T = matched.T_map_robot;
   const double conflict = conflictOf(next, viewers, T);
-  if (conflict >= options_->loop_conflict || !keyframes::isFollowed(T, expected)) {
-    join.evidence += keyframes::kNatsPerScan * (matched.score - conflict);
-    join.says[next] = {-keyframes::kNatsPerScan, 0};
+  const double nats = keyframes::kNatsPerScan * (matched.score - keyframes::kContradicted * conflict);
+  const double itself = contradictsItself(next);
+  join.against += conflict, join.against_itself += itself;
+  if (conflict >= options_->loop_conflict + kAsItself * itself || !keyframes::isFollowed(T, expected)) {
+    join.evidence += nats;
+    join.says[next] = {0, std::max(conflict, 1 / keyframes::kContradicted), 0};
     ++join.failures;
     return;
   }
   join.followed.add(core::position(expected));
-  const double nats = keyframes::kNatsPerScan * (matched.score - conflict);
-  join.says[next] = {nats, unknown};
+  join.says[next] = {matched.score, conflict, unknown};
   // Where the map ends much is new, and contradicts nothing.
   if (matched.score < options_->loop_confirm_score) return;
   join.evidence += nats;
@@ -224,108 +219,12 @@ const keyframes::Join* PartFinder::workOnJoins(int component) {
       holdAgainst(*next, next->forth, next->forth.at + 1);
     if (next->failures > keyframes::kMostFailures + next->fitting / kFittingPerFailure ||
         (next->told >= kFirstAsked && 4 * next->fitting < next->told)) {
-      refute(*next);
+      map_->note(core::JournalEvent::kDropped, next->fitting, next->old_keyframe);
       joins_.erase(next);
     }
   }
   keyframes::Join* best = decided();
   return best != nullptr && isProved(*best, component) ? best : nullptr;
-}
-
-/// A place that is left behind tells over what extent a wrong one can fit.
-void PartFinder::refute(const keyframes::Join& join) {
-  map_->note(core::JournalEvent::kDropped, join.fitting, join.old_keyframe);
-  const double fits_m = join.placed.size() > 1 ? join.fits.diagonal_m() : 0;
-  refuted_.push_back({join.forth.T_map_robot * core::inverse(trailPose(join.forth.at)), fits_m});
-}
-
-/// Whether another place was followed before, and fitted over much less than this one does.
-bool PartFinder::isRefuted(const Pose2& T_map_robot, const keyframes::Join& join) const {
-  return std::any_of(refuted_.begin(), refuted_.end(), [&](const keyframes::Refuted& refuted) {
-    return isSame(refuted.T_map_trail * trailPose(join.forth.at), T_map_robot) &&
-           join.fits.diagonal_m() >= kRefuted * refuted.fits_m;
-  });
-}
-
-/// By how many nats a place is ahead of another, point by point of the trail. What the other was not asked
-/// yet, and what its map says nothing of, may fit there.
-double PartFinder::aheadOf(const keyframes::Join& join, const keyframes::Join& other) const {
-  const double credit = is_lost_ ? 0 : keyframes::kNatsPerScan;
-  double ahead = 0;
-  for (const auto& [point, said] : join.says) {
-    const auto rival = other.says.find(point);
-    ahead += said.nats - (rival == other.says.end() ? keyframes::kNatsPerScan
-                                                    : rival->second.nats + credit * rival->second.unknown);
-  }
-  return ahead;
-}
-
-/// Whether all of the trail was held against a place, and all of the map was looked at since it was found.
-bool PartFinder::isReady(const keyframes::Join& join) const {
-  return isCurrent(join) && join.places_left <= 0 && join.fitting >= options_->loop_confirmations &&
-         join.distinct >= options_->loop_distinctness &&
-         join.followed.diagonal_m() >= extentToFollow_m(join) &&
-         2 * join.fits.diagonal_m() >= extentToFollow_m(join);
-}
-
-/// The place that no other can be as good as, if there is one.
-keyframes::Join* PartFinder::decided() {
-  for (auto& join : joins_) {
-    const bool is_ahead =
-        isReady(join) && std::all_of(joins_.begin(), joins_.end(), [&](const keyframes::Join& other) {
-          return &other == &join || aheadOf(join, other) > keyframes::kAhead;
-        });
-    if (is_ahead) return &join;
-  }
-  return nullptr;
-}
-
-/// What of the trail fits, as it lies in the map, seen from its newest end.
-std::vector<Point2> PartFinder::trailQuery(const keyframes::Join& join) const {
-  std::vector<PatchPoint> query;
-  const Pose2 T_last_map = core::inverse(join.forth.T_map_robot);
-  for (const auto& fit : join.placed)
-    for (const auto& point : trailPoints(fit.at)) {
-      const PatchPoint seen = T_last_map * fit.T_map_robot * point;
-      if (core::hypot(seen.x, seen.y) <= keyframes::kPlaceReach_m) query.push_back(seen);
-    }
-  return keyframes::searchPoints(query, kProofPoints);
-}
-
-/// Looks for other places of the map that hold the trail as a whole nearly as well; some are tried at each
-/// scan, and what is found has to be followed and left behind first. True when all were tried.
-bool PartFinder::isProved(keyframes::Join& join, int component) {
-  const auto places = placesBeyond(component);
-  const Pose2 T = join.forth.T_map_robot;
-  const auto nearest = std::min_element(places.begin(), places.end(), [&](int a, int b) {
-    return core::distance(map_->pose(a), T) < core::distance(map_->pose(b), T);
-  });
-  if (nearest == places.end() || join.fitting < join.proof_from) return false;
-  const auto query = trailQuery(join);
-  const auto here = searchBest(pyramidOf(*nearest), query, T, {2 * keyframes::kSearchCell_m, 0.02}, 0);
-  if (!here) return false;
-  const int all = static_cast<int>(places.size()) * keyframes::kHeadings;
-  const double least =
-      is_lost_ ? here->score - kProofMargin : keyframes::twinShare(join.fits.diagonal_m()) * here->score;
-  std::vector<std::pair<int, Pose2>> others;
-  for (int n = 0; n < kProofsPerScan && join.proved < all; ++n, ++join.proved) {
-    const int place = places[static_cast<size_t>(join.proved / keyframes::kHeadings)];
-    const Point2 centre = core::position(map_->pose(place));
-    const auto there = searchBest(
-        pyramidOf(place), query,
-        {centre.x, centre.y, T.phi + join.proved % keyframes::kHeadings * keyframes::kHeadingStep_rad},
-        {keyframes::kPlaceHalf_m, 0.5 * keyframes::kHeadingStep_rad}, least);
-    if (there && !isSame(there->T_map_robot, T) && !isRefuted(there->T_map_robot, join))
-      others.push_back({place, there->T_map_robot});
-  }
-  // In a finished map the robot is in one of its places, and it is enough to leave the others behind.
-  if (!others.empty() && !is_lost_) {
-    join.proved = 0;
-    join.proof_from = join.fitting + kFitsBetweenProofs;
-  }
-  const bool is_proved = join.proved >= all && others.empty();
-  for (const auto& [place, T_other] : others) addJoin(place, T_other);
-  return is_proved;
 }
 
 std::optional<keyframes::Hypothesis> PartFinder::lookForPart(int first, int last) {

@@ -20,7 +20,7 @@ constexpr size_t kMostQueryPoints = 80;
 }  // namespace
 
 void PartFinder::searchAnew() {
-  joins_.clear(), refuted_.clear();
+  joins_.clear(), itself_.clear();
   places_tried_ = 0;
 }
 

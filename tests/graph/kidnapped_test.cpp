@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "libslam/graph/graph_slam.h"
 #include "tests/graph/drawn_drives.h"
@@ -34,6 +35,22 @@ std::vector<core::Pose2> round(const core::Point2& centre, double radius_x_m, do
   return path;
 }
 
+constexpr int kCarried = 150;
+
+/// One round through a hall, and then, carried there, for half a minute on a circle of 2.5 m through another.
+Drive carriedFrom(const std::vector<Wall>& hall, const std::vector<Wall>& other) {
+  auto path = round({6, 4.5}, 4.5, 2.6, kCarried);
+  const auto after = round({8.6, 5.9}, 1.25, 1.25, 150, 40);
+  path.insert(path.end(), after.begin(), after.end());
+  Lidar lidar;
+  lidar.beams = 360, lidar.fov_rad = 2 * core::kPi * 359 / 360;
+  Drive log = drive(hall, path, lidar, 0);
+  const Drive elsewhere = drive(other, path, lidar, 0);
+  for (size_t i = kCarried; i < path.size(); ++i) log.scans[i] = elsewhere.scans[i];
+  log.increments[kCarried] = {0.05, 0, 0.05};
+  return log;
+}
+
 int joinedAt(const GraphSlam& graph) {
   for (const auto& entry : graph.journal())
     if (entry.event == core::JournalEvent::kRecovered) return entry.scan;
@@ -42,19 +59,51 @@ int joinedAt(const GraphSlam& graph) {
 
 // Where no place beside it is like its own, a kidnapped robot need not leave the room to be joined.
 TEST(Kidnapped, IsJoinedInAFurnishedHallAfterAShortWay) {
-  auto path = round({6, 4.5}, 4.5, 2.6, 150);
-  const size_t carried = path.size();
-  // On a circle of 2.5 m, for half a minute.
-  const auto after = round({8.6, 5.9}, 1.25, 1.25, 150, 40);
-  path.insert(path.end(), after.begin(), after.end());
-  Lidar lidar;
-  lidar.beams = 360, lidar.fov_rad = 2 * core::kPi * 359 / 360;
-  auto log = drive(furnishedHall(), path, lidar, 0);
-  log.increments[carried] = {0.05, 0, 0.05};
+  const auto log = carriedFrom(furnishedHall(), furnishedHall());
   GraphSlam graph{keyframes::GraphOptions()};
   for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
-  EXPECT_GT(joinedAt(graph), static_cast<int>(carried));
+  EXPECT_GT(joinedAt(graph), kCarried);
   EXPECT_LT(worstError(graph.poses(), log.truth), 0.1);
+}
+
+std::vector<Wall> hallWith(const std::vector<std::array<double, 4>>& boxes) {
+  auto walls = rectangle(0, 0, 12, 9);
+  for (const auto& b : boxes) add(walls, rectangle(b[0], b[1], b[2], b[3]));
+  return walls;
+}
+
+GraphSlam mappedToTheEnd(const Drive& log) {
+  GraphSlam graph{keyframes::GraphOptions()};
+  for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
+  graph.finish();
+  return graph;
+}
+
+int lostAt(const GraphSlam& graph) {
+  for (const auto& entry : graph.journal())
+    if (entry.event == core::JournalEvent::kLost) return entry.scan;
+  return -1;
+}
+
+// Most of a hall looks the same when it is turned round. What stands in it contradicts that, and the robot is
+// joined all the same.
+TEST(Kidnapped, IsJoinedInAHallThatLooksAlikeTurnedRound) {
+  const auto hall = hallWith({{1, 1, 1.6, 1.4}, {9.5, 6.9, 10.1, 7.5}, {3.2, 7.6, 3.6, 8}});
+  const Drive log = carriedFrom(hall, hall);
+  const GraphSlam graph = mappedToTheEnd(log);
+  EXPECT_GT(joinedAt(graph), kCarried);
+  EXPECT_LT(worstError(graph.poses(), log.truth), 0.1);
+}
+
+// A hall of the same walls is another one where something stands elsewhere, however much of it fits.
+TEST(Kidnapped, IsNotJoinedToAHallInWhichSomethingStandsElsewhere) {
+  std::vector<std::array<double, 4>> boxes = {{1, 1, 2.2, 1.6},   {4, 0, 4.5, 1.1},   {11.2, 4, 12, 5.6},
+                                              {8, 7.7, 9.3, 8.4}, {2.1, 7, 2.6, 8.2}, {5, 4, 6.2, 5}};
+  const auto hall = hallWith(boxes);
+  boxes[1] = {3.2, 0, 3.7, 1.1};
+  const GraphSlam graph = mappedToTheEnd(carriedFrom(hall, hallWith(boxes)));
+  EXPECT_GT(lostAt(graph), kCarried);
+  EXPECT_EQ(joinedAt(graph), -1);
 }
 
 Drive roundOfTheHall() {
