@@ -165,8 +165,9 @@ keyframes::Trust GraphSlam::weighDoubt(const Pose2& T_before, const keyframes::B
     if (!lost_.isInDoubt()) return keyframes::Trust::kBack;
     // The robot has left what was known before, or never knew as much as it sees now: nothing will prove it
     // any more.
-    const bool is_left = doubt_.untold_m > options_.map_radius_m && !lost_.isLost();
-    if (is_left || !isKnownBefore(points)) endDoubt();
+    const bool is_known = isKnownBefore(points), is_left = doubt_.untold_m > options_.map_radius_m;
+    if (is_left && is_known) lost_.decide();
+    if ((is_left && !lost_.isLost()) || !is_known) endDoubt();
     return keyframes::Trust::kWell;
   }
   if (!lost_.isInDoubt()) {

@@ -62,13 +62,14 @@ namespace slam::graph {
 ///
 /// The kidnapped robot (see LostDetector): a scan that breaks with the one before and contradicts the map is
 /// held back for half a second. If that goes on, the robot maps on by itself, while it is still tracked in
-/// the map from before. Either that map explains the scans again, and goes on; or the evidence decides, and a
-/// new part of the map begins where the doubt began. A part is searched for all over the rest, one place and
-/// heading at a time; places that may be right are followed along the whole part, forth and back, a few steps
-/// per scan. It is joined at the best of them, once all of the map was looked at and no other place is nearly
-/// as good. Or it was no kidnapping: near where odometry has the robot the part is searched for as loops are,
-/// and joined like one. Any number of parts may be open. In a finished map the robot is found as in any other
-/// part.
+/// the map from before. Either that map explains the scans again, and goes on; or the evidence decides (by
+/// less where the robot leaves what is known first), and a new part of the map begins where the doubt began.
+/// A part is searched for all over the rest, one place and heading at a time; places that may be right are
+/// followed along the whole part, forth and back, a few steps per scan. It is joined at the best of them,
+/// once all of the map was looked at, and all other places that might hold it are behind, being contradicted
+/// or explaining less. Or it was no kidnapping: near where odometry has the robot the part is searched for as
+/// loops are, and joined like one. Any number of parts may be open. In a finished map the robot is found as
+/// in any other part.
 ///
 /// The two faces of a thin wall are kept apart in the finest map (scanmatch::SurfelMap), so that rooms on
 /// both sides do not pull it into its middle.

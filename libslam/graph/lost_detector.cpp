@@ -84,6 +84,10 @@ void LostDetector::dismiss() {
   restart();
 }
 
+void LostDetector::decide() {
+  if (evidence_ >= kToldEnough) evidence_ = std::max(evidence_, kLost);
+}
+
 void LostDetector::restart() {
   evidence_ = -kUnbroken;
   undecided_ = {};

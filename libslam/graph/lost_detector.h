@@ -51,6 +51,8 @@ class LostDetector {
   /// A doubt has passed: breaks happen here for other reasons (people, uneven ground), and the next one says
   /// less.
   void dismiss();
+  /// No scan will tell any more: lost if as much as kToldEnough speaks for it.
+  void decide();
   /// The evidence starts anew; what was learnt stays.
   void restart();
 
@@ -58,6 +60,8 @@ class LostDetector {
   /// One false alarm in exp(kLost) looks (1.2 million) at most, as far as the model holds.
   static constexpr double kLost = 14, kDoubt = -2;
   static constexpr double kUnbroken = 30;
+  /// Of doubts that are decided so, one in a thousand is a false alarm at most.
+  static constexpr double kToldEnough = 7;
   /// A break says so much less for every doubt that was dismissed; of these kForgotten looks leave a third.
   static constexpr double kPerDismissed = 2.5, kForgotten = 300;
   /// One look says at most so much, however large the likelihood ratio is: the model's tails are not known.

@@ -106,6 +106,22 @@ TEST(Kidnapped, IsNotJoinedToAHallInWhichSomethingStandsElsewhere) {
   EXPECT_EQ(joinedAt(graph), -1);
 }
 
+// Carried from one end of a yard into a corridor that no map holds, it drives, by the wheels, out of the yard
+// after a few scans: these are all that speak of it.
+TEST(Kidnapped, IsNoticedByTheFewScansBeforeItLeavesWhatIsKnown) {
+  auto walls = yard();
+  add(walls, rectangle(100, 0, 160, 2));
+  for (const double x : {104.0, 109.0, 117.0, 123.0, 131.0, 142.0}) add(walls, rectangle(x, 0, x + 0.5, 0.3));
+  auto path = along({{2.5, 5.5}, {8.5, 5.5}}, 0.2);
+  const size_t carried = path.size();
+  const auto after = along({{102, 1}, {150, 1}}, 1);
+  path.insert(path.end(), after.begin(), after.end());
+  auto log = drive(walls, path, Lidar(), 0);
+  log.increments[carried] = {1, 0, 0};
+  const GraphSlam graph = mappedToTheEnd(log);
+  EXPECT_GE(lostAt(graph), static_cast<int>(carried));
+}
+
 Drive roundOfTheHall() {
   Lidar lidar;
   lidar.beams = 360, lidar.fov_rad = 2 * core::kPi * 359 / 360;

@@ -63,6 +63,20 @@ TEST(LostDetector, BelievesInDriftRatherThanKidnappingWhereNothingBreaks) {
   EXPECT_LT(without_s, 30);
 }
 
+// Where nothing will tell any more, a thousand to one is enough.
+TEST(LostDetector, DecidesByLessWhenNothingWillTellAnyMore) {
+  auto detector = settled(2, 0.5);
+  for (double t = 0.5; detector.evidence() < LostDetector::kToldEnough; t += 0.5) {
+    ASSERT_LT(t, 60);
+    detector.decide();
+    ASSERT_FALSE(detector.isLost()) << t;
+    detector.look(seen(250 + t, 0.25, 0.7, t == 0.5 ? 0.6 : 0.02));
+  }
+  EXPECT_FALSE(detector.isLost());
+  detector.decide();
+  EXPECT_TRUE(detector.isLost());
+}
+
 TEST(LostDetector, TakesHoursOfABusyPlaceForNoLoss) {
   for (const double mean : {0.01, 0.05, 0.12}) {
     LostDetector detector;
