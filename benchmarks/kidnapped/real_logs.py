@@ -139,6 +139,9 @@ def main():
     parser.add_argument("-p", dest="program", default=str(ROOT / "build/release/apps/rasterslam"))
     parser.add_argument("-o", dest="file", type=pathlib.Path)
     arguments = parser.parse_args()
+    unknown = [name for name in arguments.logs.split(",") if name not in LOGS]
+    if unknown:
+        parser.error(f"-l: no log {unknown[0]}; there are {', '.join(LOGS)}")
     rows = []
     for name in arguments.logs.split(","):
         log, chance, row = Log(arguments.data / LOGS[name], arguments), random.Random(arguments.seed), [name]
