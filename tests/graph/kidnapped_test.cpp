@@ -37,10 +37,10 @@ std::vector<core::Pose2> round(const core::Point2& centre, double radius_x_m, do
 
 constexpr int kCarried = 150;
 
-/// One round through a hall, and then, carried there, for half a minute on a circle of 2.5 m through another.
-Drive carriedFrom(const std::vector<Wall>& hall, const std::vector<Wall>& other) {
+/// One round through a hall, and then, carried there, for half a minute on a circle through another.
+Drive carriedFrom(const std::vector<Wall>& hall, const std::vector<Wall>& other, double radius_m = 1.25) {
   auto path = round({6, 4.5}, 4.5, 2.6, kCarried);
-  const auto after = round({8.6, 5.9}, 1.25, 1.25, 150, 40);
+  const auto after = round({8.6, 5.9}, radius_m, radius_m, 150, 40);
   path.insert(path.end(), after.begin(), after.end());
   Lidar lidar;
   lidar.beams = 360, lidar.fov_rad = 2 * core::kPi * 359 / 360;
@@ -59,7 +59,7 @@ int joinedAt(const GraphSlam& graph) {
 
 // Where no place beside it is like its own, a kidnapped robot need not leave the room to be joined.
 TEST(Kidnapped, IsJoinedInAFurnishedHallAfterAShortWay) {
-  const auto log = carriedFrom(furnishedHall(), furnishedHall());
+  const auto log = carriedFrom(furnishedHall(), furnishedHall(), 0.8);
   GraphSlam graph{keyframes::GraphOptions()};
   for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
   EXPECT_GT(joinedAt(graph), kCarried);
