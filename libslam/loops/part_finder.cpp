@@ -6,12 +6,10 @@
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/search.h"
 #include "libslam/loops/part_finder.h"
-#include "libslam/scanmatch/correlative_search.h"
 
 namespace slam::loops {
 namespace {
 
-using core::Point2;
 using core::Pose2;
 using keyframes::Cursor;
 using scanmatch::PatchPoint;
