@@ -60,7 +60,7 @@ class LostDetector {
   /// One false alarm in exp(kLost) looks (1.2 million) at most, as far as the model holds.
   static constexpr double kLost = 14, kDoubt = -2;
   static constexpr double kUnbroken = 30;
-  /// Of doubts that are decided so, one in a thousand is a false alarm at most.
+  /// Of doubts that are decided so, one in a thousand is a false alarm at most, as far as the model holds.
   static constexpr double kToldEnough = 7;
   /// A break says so much less for every doubt that was dismissed; of these kForgotten looks leave a third.
   static constexpr double kPerDismissed = 2.5, kForgotten = 300;
