@@ -161,6 +161,7 @@ bool GraphSlam::isKnownBefore(std::size_t points) const {
 /// then it maps on by itself, in a map of its own, which stays part of the rest when the doubt passes.
 keyframes::Trust GraphSlam::weighDoubt(const Pose2& T_before, const keyframes::Break& seam,
                                        std::size_t points, Step& step) {
+  doubt_.explained = step.score;
   if (doubt_.begins >= 0) {
     if (!lost_.isInDoubt()) return keyframes::Trust::kBack;
     // The robot has left what was known before, or never knew as much as it sees now: nothing will prove it
@@ -223,6 +224,16 @@ void GraphSlam::endDoubt() {
   lost_.dismiss();
   doubt_ = {};
   held_back_ = 0;
+}
+
+/// Nothing comes any more that could end the doubt: what was told so far decides.
+void GraphSlam::settleDoubt() {
+  if (doubt_.begins < 0) return;
+  if (isKnownBefore(map_->keyframe(map_->lastKeyframe()).points.size())) lost_.decide();
+  if (lost_.isLost())
+    startElsewhere(doubt_.explained);
+  else
+    endDoubt();
 }
 
 /// What was mapped since the doubt began is a part of the map whose place in the rest is not known.

@@ -160,6 +160,7 @@ std::vector<Pose2> GraphSlam::poses() const {
 void GraphSlam::finish(core::Progress& progress) {
   if (map_->keyframes().empty()) return;
   completeClosing();
+  settleDoubt();
   if (options_.loops) joinRemainingParts();
   const auto first_new =
       std::find_if(map_->keyframes().begin(), map_->keyframes().end(),

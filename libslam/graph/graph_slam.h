@@ -63,7 +63,8 @@ namespace slam::graph {
 /// The kidnapped robot (see LostDetector): a scan that breaks with the one before and contradicts the map is
 /// held back for half a second. If that goes on, the robot maps on by itself, while it is still tracked in
 /// the map from before. Either that map explains the scans again, and goes on; or the evidence decides (by
-/// less where the robot leaves what is known first), and a new part of the map begins where the doubt began.
+/// less where the robot leaves what is known first, or no more scans come), and a new part of the map begins
+/// where the doubt began.
 /// A part is searched for all over the rest, one place and heading at a time; places that may be right are
 /// followed along the whole part, forth and back, a few steps per scan. It is joined at the best of them,
 /// once all of the map was looked at, and all other places that might hold it are behind, being contradicted
@@ -191,6 +192,7 @@ class GraphSlam {
                               Step& step);
   void beginOwnMap();
   void endDoubt();
+  void settleDoubt();
   void startElsewhere(double score);
   void loosen(int keyframe);
   void moveHeldBackTo(int keyframe);

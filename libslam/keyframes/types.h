@@ -197,6 +197,7 @@ struct Doubt {
   int begins = -1;  ///< first keyframe of the map that is made meanwhile; before there is one: -1
   double held_s = 0, held_m = 0, untold_m = 0;
   int explained_before = 0;  ///< scans, by the map from before
+  double explained = 0;      ///< of the last scan, by the map at hand
   /// Where the robot is if all is well, and the map from before.
   core::Pose2 T_map_robot;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();

@@ -105,20 +105,46 @@ TEST(Kidnapped, IsNotJoinedToAHallInWhichSomethingStandsElsewhere) {
   EXPECT_EQ(joinedAt(graph), -1);
 }
 
-// Carried from one end of a yard into a corridor that no map holds, it drives, by the wheels, out of the yard
-// after a few scans: these are all that speak of it.
-TEST(Kidnapped, IsNoticedByTheFewScansBeforeItLeavesWhatIsKnown) {
+/// From one end of a yard to the other.
+std::vector<core::Pose2> yardPath() {
+  return along({{2.5, 5.5}, {8.5, 5.5}}, 0.2);
+}
+
+/// Carried from one end of a yard into a corridor that no map holds, it drives there for so many scans: by
+/// the wheels, out of the yard after a few.
+Drive carriedFromTheYard(size_t scans) {
   auto walls = yard();
   add(walls, rectangle(100, 0, 160, 2));
   for (const double x : {104.0, 109.0, 117.0, 123.0, 131.0, 142.0}) add(walls, rectangle(x, 0, x + 0.5, 0.3));
-  auto path = along({{2.5, 5.5}, {8.5, 5.5}}, 0.2);
-  const size_t carried = path.size();
-  const auto after = along({{102, 1}, {150, 1}}, 1);
+  auto path = yardPath();
+  auto after = along({{102, 1}, {150, 1}}, 1);
+  after.resize(scans);
   path.insert(path.end(), after.begin(), after.end());
   auto log = drive(walls, path, Lidar(), 0);
-  log.increments[carried] = {1, 0, 0};
-  const GraphSlam graph = mappedToTheEnd(log);
-  EXPECT_GE(lostAt(graph), static_cast<int>(carried));
+  log.increments[yardPath().size()] = {1, 0, 0};
+  return log;
+}
+
+// The few scans before it leaves the yard are all that speak of it.
+TEST(Kidnapped, IsNoticedByTheFewScansBeforeItLeavesWhatIsKnown) {
+  const GraphSlam graph = mappedToTheEnd(carriedFromTheYard(49));
+  EXPECT_GE(lostAt(graph), static_cast<int>(yardPath().size()));
+}
+
+// What no scan decided is decided by all of them when no more come, if they told enough.
+TEST(Kidnapped, IsNoticedInTheEndWhereTheLogEndsInDoubt) {
+  for (const size_t scans : {2, 6}) {
+    const auto log = carriedFromTheYard(scans);
+    GraphSlam graph{keyframes::GraphOptions()};
+    for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
+    EXPECT_EQ(lostAt(graph), -1) << scans;
+    graph.finish();
+    EXPECT_EQ(lostAt(graph), scans == 6 ? static_cast<int>(log.scans.size()) : -1) << scans;
+    bool is_apart = false;
+    for (const auto& entry : graph.journal())
+      is_apart = is_apart || entry.event == core::JournalEvent::kApart;
+    EXPECT_EQ(is_apart, scans == 6) << scans;
+  }
 }
 
 Drive roundOfTheHall() {
