@@ -184,8 +184,9 @@ TEST_F(SavedRun, PfLocalizationFindsTheRobotInOurMap) {
       "pf-localization '" + kSource + "/configs/mrpt/pf-localization.ini' '" + log + "'";
   const auto run = runIn(folder_, command);
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
-  // Mostly 1 cm and 0.5 degrees by the numbers that it draws; another place would be metres away.
-  expectNear(lastPoseOfPfLocalization(run.out), drive.truth.back(), 0.1, 4);
+  // Mostly 1 cm and 0.5 degrees; 14 cm and 4 degrees have been seen, and another MRPT may draw other
+  // numbers; another place would be metres away.
+  expectNear(lastPoseOfPfLocalization(run.out), drive.truth.back(), 0.3, 10);
   const auto again = runIn(folder_, command);
   EXPECT_EQ(lastPoseOfPfLocalization(again.out), lastPoseOfPfLocalization(run.out))
       << "fixed_draws.cpp no longer stands in for what seeds MRPT's generator";
