@@ -169,9 +169,10 @@ void GraphSlam::finish(core::Progress& progress) {
     loops_.searchRemainingLoops(
         static_cast<int>(first_new - map_->keyframes().begin()), [this] { haveMoved(); }, progress);
   // What was known before stays as it is when nothing came to it.
-  if (first_new != map_->keyframes().end() && loops_.closeRest()) haveMoved();
+  const bool has_come = first_new != map_->keyframes().end();
+  if (has_come && loops_.closeRest()) haveMoved();
   noteWhatStaysApart();
-  if (options_.refine_rounds > 0) refine();
+  if (has_come && options_.refine_rounds > 0) refine(progress);
   motion().noteWheels();
 }
 

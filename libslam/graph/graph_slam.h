@@ -207,6 +207,7 @@ class GraphSlam {
   void noteWhatStaysApart();
 
   // known_parts.cpp: maps of before whose places in one another are not known
+  void putApart();
   void judge(size_t part, loops::PartPlace& place) const;
   int endOfPart(size_t part) const;
 
@@ -216,7 +217,7 @@ class GraphSlam {
   bool fitsMap(const Points& points, const core::Pose2& T_map_robot) const;
 
   // refine.cpp
-  void refine();
+  void refine(core::Progress& progress);
 
   keyframes::GraphOptions options_;
   std::unique_ptr<keyframes::KeyframeMap>
@@ -239,6 +240,7 @@ class GraphSlam {
   std::vector<keyframes::KnownPart> known_parts_;  ///< those after the first
   int wrong_places_ = 0;                           ///< that were learnt from
   bool is_lost_ = false, is_outside_ = false;      ///< in a finished map
+  std::pair<int, int> refined_{0, 0};              ///< keyframes and revision of the map that refine() left
 };
 
 }  // namespace slam::graph

@@ -76,9 +76,23 @@ std::vector<loops::PartPlace> GraphSlam::joinParts(core::Progress& progress) {
   }
   loops_.searchRemainingLoops(
       0, [this] { haveMoved(); }, progress);
-  if (options_.refine_rounds > 0) refine();
+  if (options_.refine_rounds > 0) refine(progress);
+  putApart();
   for (size_t p = 1; p < map_->parts().size(); ++p) judge(p, places[p - 1]);
   return places;
+}
+
+/// Parts without a known place lie where they were given: poses that were found anew, for a loop elsewhere,
+/// have followed the weak edge to the part before.
+void GraphSlam::putApart() {
+  for (size_t p = 1; p < map_->parts().size(); ++p) {
+    const auto [first, component] = map_->parts()[p];
+    if (component != first) continue;  // joined to an earlier one
+    const Pose2 given = known_parts_[p - 1].T_map_given * known_parts_[p - 1].T_given_first,
+                T_apart_map = given * core::inverse(map_->pose(first));
+    for (int k = first; k < map_->size(); ++k)
+      if (map_->componentOf(k) == component) map_->graph().setPose(k, T_apart_map * map_->pose(k));
+  }
 }
 
 /// What the keyframes of a part and those of the others say of each other, as they lie in the end.

@@ -1,59 +1,52 @@
 #include <algorithm>
+#include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/keyframes/matching.h"
-#include "libslam/keyframes/search.h"
-#include "libslam/posegraph/optimize.h"
+#include "libslam/graph/surface_bundle.h"
 
 namespace slam::graph {
+namespace {
 
-/// Every keyframe is matched to the map of all others around it, as they stand now; the matches become the
-/// graph's edges, beside those of odometry and of loops, and all poses are found together. In the spirit of
-/// Ruhnke et al., ICRA 2011, with surfels for surfaces.
-void GraphSlam::refine() {
-  const auto match_options = keyframes::matchOptions(10);
-  scanmatch::PosePrior flat;
-  flat.information.setIdentity();
-  scanmatch::SurfelMap map(options_.cell_m, options_.blur_m, true, true);
-  posegraph::OptimizeOptions solve;
-  solve.robust = "none";
-  const int n = map_->size();
+/// When no keyframe moves as far, the poses are found.
+constexpr double kStill_m = 1e-3;
+core::Pose2 movedBy(const core::Pose2& T, const Eigen::Vector3d& by) {
+  return {T.x + by.x(), T.y + by.y(), core::wrapToPi(T.phi + by.z())};
+}
+
+}  // namespace
+
+/// All keyframes' poses are found together by what they saw of the same walls, see SurfaceBundle; what else
+/// was matched there goes with the map around.
+void GraphSlam::refine(core::Progress& progress) {
+  const std::pair as_it_is(map_->size(), map_->revision());
+  if (as_it_is == refined_) return;
+  progress.begin("fitting all scans");
   for (int round = 0; round < options_.refine_rounds; ++round) {
-    posegraph::PoseGraph next;
-    for (int k = 0; k < n; ++k) next.addNode(map_->pose(k));
-    next.setFixed(0);
-    for (int k = 1; k < n; ++k)
-      next.addEdge(map_->graph().edges()[static_cast<size_t>(map_->keyframe(k).odometry_edge)]);
-    for (const auto& edge : map_->graph().edges())
-      if (edge.kind == posegraph::EdgeKind::kLoop && edge.on) next.addEdge(edge);
-    for (int k = 0; k < n; ++k) {
-      const core::Pose2& T = map_->pose(k);
-      auto around = map_->keyframesAround(k, core::position(T), options_.map_path_m, options_.map_radius_m);
-      around.erase(std::remove(around.begin(), around.end(), k), around.end());
-      around = keyframes::firstOf(std::move(around), options_.map_keyframes);
-      map.clear(core::position(T), keyframes::kMapReach_m);
-      for (const int other : around) map.add(map_->inCells(other));
-      flat.mean = T;
-      const auto matched = alignToSurfels(map_->keyframe(k).points, map, T, flat, match_options);
-      const auto partners = map_->partnersOf(k, around, matched.T_map_robot);
-      if (partners.empty()) continue;
-      posegraph::Edge edge;
-      edge.to = k;
-      const Eigen::Matrix3d told =
-          keyframes::toldInformation(map_->keyframe(k).points, map, matched.T_map_robot);
-      edge.information =
-          scanmatch::edgeInformation(told, matched.T_map_robot.phi) / static_cast<double>(partners.size());
-      for (const int partner : partners) {
-        edge.from = partner;
-        edge.T_from_to = core::between(map_->pose(partner), matched.T_map_robot);
-        next.addEdge(edge);
-      }
+    progress.update(static_cast<double>(round) / options_.refine_rounds, 0);
+    const SurfaceBundle bundle(*map_);
+    const auto step = bundle.step();
+    if (step.empty()) break;
+    const auto around = bundle.stepAround(step);
+    for (size_t scan = 0; scan < records_.size(); ++scan) {
+      auto& [k, T_keyframe_robot, drift] = records_[scan];
+      if (map_->keyframe(k).scan == static_cast<int>(scan)) continue;
+      const auto i = static_cast<size_t>(k);
+      T_keyframe_robot = core::between(movedBy(map_->pose(k), step[i]), movedBy(map_->pose(k), around[i])) *
+                         T_keyframe_robot;
     }
-    const auto result = optimize(next, solve);
-    for (int k = 0; k < n; ++k) map_->graph().setPose(k, next.pose(k));
+    double farthest_m = 0;
+    for (int k = 0; k < map_->size(); ++k) {
+      const Eigen::Vector3d& by = step[static_cast<size_t>(k)];
+      map_->graph().setPose(k, movedBy(map_->pose(k), by));
+      farthest_m = std::max(farthest_m, by.head<2>().norm());
+    }
     map_->countRevision();
-    map_->note(core::JournalEvent::kOptimised, result.final_chi2, -1, "refinement");
+    map_->note(core::JournalEvent::kOptimised, bundle.chi2(), -1, "refinement");
+    if (farthest_m < kStill_m) break;
   }
+  refined_ = {map_->size(), map_->revision()};
+  progress.end();
 }
 
 }  // namespace slam::graph

@@ -77,7 +77,7 @@ Rows loopRows() {
        "what a scan waits for at most while a place is searched for or all poses are found anew: million "
        "multiplications, 5 a millisecond; as many times as keyframe_distance_m lies between two scans"},
       {"refine_rounds", &O::refine_rounds, 0, 0, 100,
-       "at the end all keyframes are matched to one another again so many times"}};
+       "at the end all scans are fitted together so many times, or until nothing moves"}};
 }
 
 }  // namespace

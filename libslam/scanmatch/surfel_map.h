@@ -27,8 +27,6 @@ class ScanInCells {
   /// Points in the robot frame, cells of the map frame. Uses the memory that is there already.
   void sort(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot, double cell_m);
 
- private:
-  friend class SurfelMap;
   struct Sums {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;  ///< from the centre of the cell
     double nx = 0, ny = 0;                               ///< normals, towards the lidar
@@ -37,6 +35,10 @@ class ScanInCells {
     std::int64_t column, row;  ///< of the plane: the cell (0, 0) begins at the origin of the map frame
     Sums sums;
   };
+  const std::vector<Run>& runs() const { return runs_; }
+
+ private:
+  friend class SurfelMap;
   std::vector<Run> runs_;
 };
 

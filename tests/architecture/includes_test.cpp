@@ -64,7 +64,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"uncertainty", {"core", "scanmatch", "sparse", "posegraph", "keyframes"}},
     {"tracking", {"core", "lidar", "scanmatch", "odometry", "wheels", "keyframes", "uncertainty"}},
     {"loops", {"core", "threads", "lidar", "scanmatch", "posegraph", "keyframes", "uncertainty"}},
-    {"graph", {"core", "lidar", "scanmatch", "posegraph", "keyframes", "uncertainty", "tracking", "loops"}},
+    {"graph", {"core", "lidar", "scanmatch", "sparse", "posegraph", "keyframes", "uncertainty", "tracking", "loops"}},
     {"particles",
      {"core", "threads", "files", "lidar", "gridmap", "scanmatch", "keyframes", "uncertainty", "tracking",
       "loops", "wheels"}},
