@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a robot costs that drives on and on where it has been: time a scan over the drive, memory, key frames, error.
 
-  benchmarks/scaling/long_drives.py [-p PROGRAM] [-w WORK] [-c CASES] [--hours H] [--visits N] [--threads N]
+  benchmarks/scaling/long_drives.py [-p PROGRAM] [-w WORK] [-c CASES] [--hours H] [--visits N] [--threads N] [--set KEY=VALUE]
 
 CASES: some of flat and office, or some of million and large.
 flat, office: a flat and a generated office for so many hours, `graph` as it is and with every keyframe kept (graph.known_views=0). Then
@@ -11,11 +11,14 @@ offices; the flat was looked at. Prints benchmarks/results/scaling.txt and write
 million: 1,000,000 scans in an office of 100 x 100 m (56 hours, 89 km). large: 25,000 s (11 km) in an office of 500 x 500 m. `graph`
 alone, as it is; together a quarter of an hour, 3 GB of disk. Prints benchmarks/results/scaling_large.txt, writes scaling_large.csv, and
 draws the cost over the scans, scaling_large.png.
+
+--set: of the method `graph`; then nothing is written, but the table is printed, as for scaling_refined.txt.
 """
 import argparse
 import csv
 import json
 import math
+import os
 import pathlib
 import subprocess
 import sys
@@ -37,6 +40,7 @@ def parse_arguments():
     parser.add_argument("--hours", type=float, default=3)
     parser.add_argument("--visits", type=int, default=10)
     parser.add_argument("--threads", type=int, default=1, help="of `run`; times are then of the one that takes the scans in")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="as `run` takes it; repeat for more")
     arguments = parser.parse_args()
     arguments.program = str(pathlib.Path(arguments.program).resolve())
     cases = set(arguments.cases.split(","))
@@ -77,14 +81,16 @@ def measure(program, run, truth, plan, case, known_views):
 
 
 def run_folder(arguments, folder, name):
-    return folder / (name if arguments.threads == 1 else f"{name}-{arguments.threads}")
+    threads = [] if arguments.threads == 1 else [str(arguments.threads)]
+    return folder / "-".join([name, *threads, *arguments.set])
 
 
 def map_log(arguments, folder, log, name, known_views, *more):
     run = run_folder(arguments, folder, name)
     if not run.exists():
         keep = [] if known_views == "default" else ["--set", f"graph.known_views={known_views}"]
-        call(arguments.program, "run", "graph", log, "-o", run, "-q", "--threads", arguments.threads, *more, *keep)
+        changed = [word for setting in arguments.set for word in ("--set", setting)]
+        call(arguments.program, "run", "graph", log, "-o", run, "-q", "--threads", arguments.threads, *more, *keep, *changed)
     return run
 
 
@@ -114,7 +120,7 @@ def large_drives(arguments, folder):
             call(program, "simulate", plan, "-o", log, "--seed", 1, "--duration", duration_s, "-q")
         run = map_log(arguments, folder, log, f"{name}-graph", "default")
         yield measure(program, run, log.with_suffix(".gt.tum"), plan, case, "default")
-        if name == "million":
+        if name == "million" and not arguments.set:
             call(program, "plot", "cost", run, "-o", RESULTS / "scaling_large.png", "--width", "85mm", "--linear", "--overwrite", "-q")
 
 
@@ -150,12 +156,12 @@ def main():
         cases = "" if arguments.cases == "flat,office" else f" -c {arguments.cases}"
         print(f"Made by: benchmarks/scaling/long_drives.py{cases}" + "".join(
             f" --{key} {getattr(arguments, key):g}" for key, usual in (("hours", 3), ("visits", 10), ("threads", 1))
-            if getattr(arguments, key) != usual))
+            if getattr(arguments, key) != usual) + "".join(f" --set {setting}" for setting in arguments.set))
         print("\nCPU time a scan; MB of the whole program while it maps." + (
             "" if is_large else " known_views 0: every keyframe is kept.") + "\n")
         width = 19 if is_large else 15
         print("  ".join(f"{column:>{width}}" for column in columns))
-        with open(RESULTS / f"{name}.csv", "w", newline="") as file:
+        with open(os.devnull if arguments.set else RESULTS / f"{name}.csv", "w", newline="") as file:
             table = csv.DictWriter(file, columns, lineterminator="\n", extrasaction="ignore")
             table.writeheader()
             for kind in kinds:

@@ -16,8 +16,6 @@ namespace {
 
 using Eigen::Matrix3d;
 
-/// Points this flat (variance across to along) lie on a wall, as scanmatch::SurfelMap has it.
-constexpr double kFlat = 0.15;
 /// Fewer points do not tell which way a wall runs.
 constexpr double kLeastPoints = 3;
 /// Standard deviations beyond which a keyframe's points hardly count: half of what tracking allows, as poses
@@ -43,7 +41,7 @@ struct SurfaceBundle::Spread {
   core::Point2 mean;
   core::Point2 direction;  ///< of most spread
   double along = 0, across = 0;
-  bool isFlat() const { return across < kFlat * along; }
+  bool isFlat() const { return across < scanmatch::kFlat * along; }
 };
 
 std::pair<std::int32_t, std::int32_t> SurfaceBundle::cellOf(const InCell& one) {
@@ -106,11 +104,11 @@ void SurfaceBundle::gatherWalls(std::vector<InCell>& all) const {
     const std::int32_t columns = cells(-spread.direction.y * across_m),
                        rows = cells(spread.direction.x * across_m);
     InCell& one = all[i];
-    const float ox = toFloat(-columns * cell_m_), oy = toFloat(-rows * cell_m_);
-    one.xx += 2 * ox * one.x + one.n * ox * ox;
-    one.xy += ox * one.y + oy * one.x + one.n * ox * oy;
-    one.yy += 2 * oy * one.y + one.n * oy * oy;
-    one.x += one.n * ox, one.y += one.n * oy;
+    scanmatch::ScanInCells::Sums moved;
+    moved.add({one.n, one.x, one.y, one.xx, one.xy, one.yy, one.nx, one.ny}, 1, -columns * cell_m_,
+              -rows * cell_m_);
+    one.x = toFloat(moved.x), one.y = toFloat(moved.y);
+    one.xx = toFloat(moved.xx), one.xy = toFloat(moved.xy), one.yy = toFloat(moved.yy);
     one.column += columns, one.row += rows;
   }
 }
@@ -158,22 +156,16 @@ SurfaceBundle::Group SurfaceBundle::neighbourhood(const std::vector<InCell>& all
 
 /// Of those that are seen from the side that `first` is seen from.
 SurfaceBundle::Spread SurfaceBundle::spreadOf(const Group& group, const InCell& first) const {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  scanmatch::ScanInCells::Sums sums;
   for (const InCell* s : group) {
     if (s->nx * first.nx + s->ny * first.ny < 0) continue;
-    const double ox = (s->column - first.column) * cell_m_, oy = (s->row - first.row) * cell_m_;
-    n += s->n, x += s->x + s->n * ox, y += s->y + s->n * oy;
-    xx += s->xx + 2 * ox * s->x + s->n * ox * ox;
-    xy += s->xy + ox * s->y + oy * s->x + s->n * ox * oy;
-    yy += s->yy + 2 * oy * s->y + s->n * oy * oy;
+    sums.add({s->n, s->x, s->y, s->xx, s->xy, s->yy, s->nx, s->ny}, 1, (s->column - first.column) * cell_m_,
+             (s->row - first.row) * cell_m_);
   }
-  const core::Point2 mean{x / n, y / n};
-  const double var_x = xx / n - mean.x * mean.x, var_y = yy / n - mean.y * mean.y,
-               var_xy = xy / n - mean.x * mean.y;
-  const double half = (var_x - var_y) / 2, root = std::sqrt(half * half + var_xy * var_xy);
-  // At half the angle of (half, var_xy).
-  const auto [sine, cosine] = core::sinCos(0.5 * core::atan2(var_xy, half));
-  return {n, mean, {cosine, sine}, (var_x + var_y) / 2 + root, std::max((var_x + var_y) / 2 - root, 0.0)};
+  const scanmatch::Spread spread = sums.spread();
+  // At half the angle of (half, xy).
+  const auto [sine, cosine] = core::sinCos(0.5 * core::atan2(spread.xy, spread.half));
+  return {sums.n, {spread.mx, spread.my}, {cosine, sine}, spread.along, spread.across};
 }
 
 /// A cell alone is too small to tell which way a wall runs through it: what is around it tells that. A wall

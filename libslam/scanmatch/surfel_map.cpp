@@ -8,8 +8,6 @@
 namespace slam::scanmatch {
 namespace {
 
-/// A neighbourhood this flat (variance across to along) is a wall.
-constexpr double kFlat = 0.15;
 /// Two faces of a wall have so many points each, at least, and their means are so many standard deviations
 /// apart, squared.
 constexpr double kLeastOfFace = 3, kApart2 = 4;
@@ -61,24 +59,6 @@ void ScanInCells::sort(const std::vector<PatchPoint>& points, const core::Pose2&
     sums.xx += dx * dx + ax * ax, sums.xy += dx * dy + ax * ay, sums.yy += dy * dy + ay * ay;
     sums.nx += nx, sums.ny += ny;
   }
-}
-
-/// Adds the sums of a neighbour with a weight; its cell lies (ox, oy) off this one.
-inline void SurfelMap::Sums::add(const ScanInCells::Sums& sums, double w, double ox, double oy) {
-  n += w * sums.n;
-  x += w * (sums.x + sums.n * ox), y += w * (sums.y + sums.n * oy);
-  xx += w * (sums.xx + 2 * ox * sums.x + sums.n * ox * ox);
-  xy += w * (sums.xy + ox * sums.y + oy * sums.x + sums.n * ox * oy);
-  yy += w * (sums.yy + 2 * oy * sums.y + sums.n * oy * oy);
-  nx += w * sums.nx, ny += w * sums.ny;
-}
-
-inline SurfelMap::Spread SurfelMap::Sums::spread() const {
-  const double per_point = 1 / n, mx = x * per_point, my = y * per_point;
-  const double var_x = xx * per_point - mx * mx, var_y = yy * per_point - my * my,
-               var_xy = xy * per_point - mx * my;
-  const double half = (var_x - var_y) / 2, root = std::sqrt(half * half + var_xy * var_xy);
-  return {mx, my, half, var_xy, root, (var_x + var_y) / 2 + root, std::max((var_x + var_y) / 2 - root, 0.0)};
 }
 
 void SurfelMap::clear(const core::Point2& centre, double reach_m) {

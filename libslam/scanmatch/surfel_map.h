@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -20,6 +22,15 @@ struct Surfel {
   std::int32_t back;
 };
 
+/// A neighbourhood this flat (variance across to along) is a wall.
+inline constexpr double kFlat = 0.15;
+
+/// Mean and covariance of points: half of what the variances differ by, the mixed term, the root of the sum
+/// of both squares; along the direction of most spread, and across it (m^2).
+struct Spread {
+  double mx, my, half, xy, root, along, across;
+};
+
 /// The points of a scan at a pose, those in a row that fall into one cell and are seen from one side summed
 /// up: what maps take in, for a scan that several of them hold.
 class ScanInCells {
@@ -30,6 +41,24 @@ class ScanInCells {
   struct Sums {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;  ///< from the centre of the cell
     double nx = 0, ny = 0;                               ///< normals, towards the lidar
+    /// Adds the sums of a neighbour with a weight; its cell lies (ox, oy) off this one.
+    void add(const Sums& sums, double w, double ox, double oy) {
+      n += w * sums.n;
+      x += w * (sums.x + sums.n * ox), y += w * (sums.y + sums.n * oy);
+      xx += w * (sums.xx + 2 * ox * sums.x + sums.n * ox * ox);
+      xy += w * (sums.xy + ox * sums.y + oy * sums.x + sums.n * ox * oy);
+      yy += w * (sums.yy + 2 * oy * sums.y + sums.n * oy * oy);
+      nx += w * sums.nx, ny += w * sums.ny;
+    }
+    /// REQUIRES points.
+    Spread spread() const {
+      const double per_point = 1 / n, mx = x * per_point, my = y * per_point;
+      const double var_x = xx * per_point - mx * mx, var_y = yy * per_point - my * my,
+                   var_xy = xy * per_point - mx * my;
+      const double half = (var_x - var_y) / 2, root = std::sqrt(half * half + var_xy * var_xy);
+      return {
+          mx, my, half, var_xy, root, (var_x + var_y) / 2 + root, std::max((var_x + var_y) / 2 - root, 0.0)};
+    }
   };
   struct Run {
     std::int64_t column, row;  ///< of the plane: the cell (0, 0) begins at the origin of the map frame
@@ -106,16 +135,9 @@ class SurfelMap {
   }
 
  private:
-  /// Mean and covariance of points: half of what the variances differ by, the mixed term, the root of the sum
-  /// of both squares; along the direction of most spread, and across it.
-  struct Spread {
-    double mx, my, half, xy, root, along, across;
-  };
   struct Sums : ScanInCells::Sums {
     std::int32_t back = -1;  ///< of the points seen from the other side
     std::int32_t first_view = std::numeric_limits<std::int32_t>::max();
-    void add(const ScanInCells::Sums& other, double w, double ox, double oy);
-    Spread spread() const;
   };
   static constexpr std::int32_t kUnknown = -1, kNone = -2;
   /// Points that were all seen from one side have normals whose mean is at least this long: half a unit, as
