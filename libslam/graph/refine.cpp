@@ -21,7 +21,7 @@ core::Pose2 movedBy(const core::Pose2& T, const Eigen::Vector3d& by) {
 void GraphSlam::refine(core::Progress& progress) {
   const std::pair as_it_is(map_->size(), map_->revision());
   if (as_it_is == refined_) return;
-  progress.begin("fitting all scans");
+  progress.begin("fitting all scans");  // ended by whoever ends the finishing
   for (int round = 0; round < options_.refine_rounds; ++round) {
     progress.update(static_cast<double>(round) / options_.refine_rounds, 0);
     const SurfaceBundle bundle(*map_);
@@ -46,7 +46,6 @@ void GraphSlam::refine(core::Progress& progress) {
     if (farthest_m < kStill_m) break;
   }
   refined_ = {map_->size(), map_->revision()};
-  progress.end();
 }
 
 }  // namespace slam::graph
