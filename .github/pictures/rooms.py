@@ -16,7 +16,7 @@ LIBRARY = HERE.parents[1] / "libslam"
 PICTURE = HERE / "rooms.svg"
 TRUTH = {"world", "rays", "buildings", "drafting", "check", "movers", "sim", "mrptworld", "metrics", "oracle", "draw", "pictures", "report", "viewer"}
 ROBOT = {"gridmap", "scanmatch", "sparse", "posegraph", "certified", "obstacles", "safety", "paths", "goals", "choices", "strategies", "navigate", "mrptnav",
-         "odometry", "wheels", "keyframes", "uncertainty", "tracking", "loops", "graph", "particles", "builders", "methods", "mapping"}
+         "odometry", "wheels", "keyframes", "uncertainty", "tracking", "loops", "bundle", "graph", "particles", "builders", "methods", "mapping"}
 FLOOR = {"core", "threads", "files", "resources", "lidar", "robot", "objects", "bags", "rawlogs", "logs", "edit", "stats", "table", "calibration", "doctor", "process"}
 WIDTH, BOX, ROW = 1180, (104, 30), 74
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "libslam/bundle/surface_bundle.h"
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/surface_bundle.h"
 
 namespace slam::graph {
 namespace {
@@ -16,15 +16,16 @@ core::Pose2 movedBy(const core::Pose2& T, const Eigen::Vector3d& by) {
 
 }  // namespace
 
-/// All keyframes' poses are found together by what they saw of the same walls, see SurfaceBundle; what else
-/// was matched there goes with the map around.
+/// All keyframes' poses are found together by what they saw of the same walls, see bundle::SurfaceBundle;
+/// what else was matched there goes with the map around.
 void GraphSlam::refine(core::Progress& progress) {
   const std::pair as_it_is(map_->size(), map_->revision());
   if (as_it_is == refined_) return;
   progress.begin("fitting all scans");  // ended by whoever ends the finishing
+  const bundle::SharedSurfaces shared(*map_);
   for (int round = 0; round < options_.refine_rounds; ++round) {
     progress.update(static_cast<double>(round) / options_.refine_rounds, 0);
-    const SurfaceBundle bundle(*map_);
+    const bundle::SurfaceBundle bundle(*map_, shared);
     const auto step = bundle.step();
     if (step.empty()) break;
     const auto around = bundle.stepAround(step);

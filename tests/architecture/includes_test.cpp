@@ -64,8 +64,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"uncertainty", {"core", "scanmatch", "sparse", "posegraph", "keyframes"}},
     {"tracking", {"core", "lidar", "scanmatch", "odometry", "wheels", "keyframes", "uncertainty"}},
     {"loops", {"core", "threads", "lidar", "scanmatch", "posegraph", "keyframes", "uncertainty"}},
+    {"bundle", {"core", "scanmatch", "sparse", "posegraph", "keyframes", "tracking"}},
     {"graph",
-     {"core", "lidar", "scanmatch", "sparse", "posegraph", "keyframes", "uncertainty", "tracking", "loops"}},
+     {"core", "lidar", "scanmatch", "posegraph", "keyframes", "uncertainty", "tracking", "loops", "bundle"}},
     {"particles",
      {"core", "threads", "files", "lidar", "gridmap", "scanmatch", "keyframes", "uncertainty", "tracking",
       "loops", "wheels"}},
@@ -184,7 +185,8 @@ TEST(Includes, TheTableHoldsTheTruthWall) {
        {"gridmap", "scanmatch", "sparse",    "posegraph", "certified",   "obstacles",
         "safety",  "paths",     "goals",     "choices",   "strategies",  "navigate",
         "mrptnav", "odometry",  "wheels",    "keyframes", "uncertainty", "tracking",
-        "loops",   "graph",     "particles", "builders",  "methods",     "mapping"})
+        "loops",   "bundle",    "graph",     "particles", "builders",    "methods",
+        "mapping"})
     for (const std::string truth_side :
          {"world",  "rays",     "buildings", "drafting", "check",   "movers",  "sim",    "metrics",
           "oracle", "draw",     "pictures",  "report",   "process", "truth",   "record", "results",

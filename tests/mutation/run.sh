@@ -56,6 +56,7 @@ tests_of() {
     loops) echo "loops graph" ;;
     uncertainty) echo "uncertainty graph" ;;
     tracking) echo "tracking graph" ;;
+    bundle) echo "bundle graph" ;;
     particles) echo "particles mapping" ;;
     choices | strategies | safety) echo "$1 navigate" ;;
     movers) echo "movers sim" ;;

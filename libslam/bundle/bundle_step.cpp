@@ -1,11 +1,11 @@
 #include <utility>
 
-#include "libslam/graph/surface_bundle.h"
+#include "libslam/bundle/surface_bundle.h"
 #include "libslam/scanmatch/information.h"
 #include "libslam/sparse/block_cholesky.h"
 
 /// The equations of a SurfaceBundle, and their solution.
-namespace slam::graph {
+namespace slam::bundle {
 namespace {
 
 using Eigen::Matrix3d;
@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 constexpr double kHeld = 1;
 constexpr double kFixed = 1e12;
 constexpr int kMostIterations = 500;
-constexpr double kSolved = 1e-4;  ///< of the right side
+constexpr double kSolved = 1e-2;  ///< of the right side: the next round does the rest
 
 double dot(const std::vector<Vector3d>& a, const std::vector<Vector3d>& b) {
   double sum = 0;
@@ -29,21 +29,42 @@ void SurfaceBundle::hold(Vectors& v) const {
   for (const int k : held_) of(v, k).setZero();
 }
 
+/// What moves a pose about itself moves it so about the map's origin.
+Matrix3d SurfaceBundle::aboutOrigin(int keyframe) const {
+  const core::Pose2& T = map_.pose(keyframe);
+  Matrix3d A = Matrix3d::Identity();
+  A(0, 2) = T.y, A(1, 2) = -T.x;
+  return A;
+}
+
+SurfaceBundle::Vectors SurfaceBundle::toPoses(Vectors about_origin) const {
+  for (int k = 0; k < map_.size(); ++k)
+    of(about_origin, k) = aboutOrigin(k).transpose() * of(about_origin, k);
+  return about_origin;
+}
+
 /// Of each keyframe, as if all others stood.
 std::vector<Matrix3d> SurfaceBundle::toldBySurfaces() const {
-  std::vector<Matrix3d> told(static_cast<std::size_t>(map_.size()), kHeld * Matrix3d::Identity());
-  for (const Seen& seen : seen_) {
-    const Vector3d J(seen.x, seen.y, seen.phi);
-    Matrix3d& of_keyframe = told[static_cast<std::size_t>(seen.keyframe)];
-    of_keyframe += static_cast<double>(seen.weight) * J * J.transpose();
-    of_keyframe(2, 2) += static_cast<double>(seen.weight) * seen.spread2;
+  std::vector<Matrix3d> told(static_cast<std::size_t>(map_.size()), Matrix3d::Zero());
+  for (const Surface& surface : surfaces_)
+    for (std::size_t i = surface.begin; i < surface.end; ++i) {
+      const Seen& seen = seen_[i];
+      const Vector3d J(surface.across.x(), surface.across.y(), surface.lever_m + seen.along_m);
+      Matrix3d& of_keyframe = told[static_cast<std::size_t>(seen.keyframe)];
+      of_keyframe += static_cast<double>(seen.weight) * J * J.transpose();
+      of_keyframe(2, 2) += static_cast<double>(seen.weight) * seen.spread2;
+    }
+  for (int k = 0; k < map_.size(); ++k) {
+    Matrix3d& of_keyframe = told[static_cast<std::size_t>(k)];
+    const Matrix3d A = aboutOrigin(k);
+    of_keyframe = kHeld * Matrix3d::Identity() + A.transpose() * of_keyframe * A;
   }
   return told;
 }
 
 SurfaceBundle::Vectors SurfaceBundle::rightSide() const {
-  Vectors b(static_cast<std::size_t>(map_.size()), Vector3d::Zero());
-  for (const Seen& seen : seen_) of(b, seen.keyframe) -= pullOf(seen, {seen.off_m, seen.slope});
+  Vectors b = toPoses(pulls_);
+  for (Vector3d& of_keyframe : b) of_keyframe = -of_keyframe;
   for (const Tie& tie : ties_) {
     if (!tie.is_measured) continue;
     const Vector3d pull = tie.information * tie.off;
@@ -54,26 +75,24 @@ SurfaceBundle::Vectors SurfaceBundle::rightSide() const {
   return b;
 }
 
-void SurfaceBundle::addSurfacesTimes(const Vectors& v, Vectors& result) const {
-  const auto moved = [&](const Seen& seen) {
-    const Vector3d& pose = of(v, seen.keyframe);
-    return Line{seen.x * pose.x() + seen.y * pose.y() + seen.phi * pose.z(), pose.z()};
-  };
+SurfaceBundle::Vectors SurfaceBundle::surfacesTimes(const Vectors& v) const {
+  Vectors moved = v, pulls(v.size(), Vector3d::Zero());
+  for (int k = 0; k < map_.size(); ++k) of(moved, k) = aboutOrigin(k) * of(v, k);
   for (const Surface& surface : surfaces_) {
-    const Line common = lineOf(surface, moved);
+    const auto line_of = [&](std::size_t i) {
+      const Vector3d& by = of(moved, seen_[i].keyframe);
+      return Line{surface.across.dot(by.head<2>()) + (surface.lever_m + seen_[i].along_m) * by.z(), by.z()};
+    };
+    const Line common = lineOf(surface, line_of);
     for (std::size_t i = surface.begin; i < surface.end; ++i) {
       const Seen& seen = seen_[i];
-      const Line line = moved(seen);
-      of(result, seen.keyframe) +=
-          pullOf(seen, {line.off_m - common.off_m - common.slope * seen.along_m, line.slope - common.slope});
+      const Line line = line_of(i);
+      of(pulls, seen.keyframe) +=
+          pullOf(surface, seen,
+                 {line.off_m - common.off_m - common.slope * seen.along_m, line.slope - common.slope});
     }
   }
-}
-
-/// On a keyframe's pose, of points that are off so much.
-Vector3d SurfaceBundle::pullOf(const Seen& seen, const Line& off) {
-  const double across = seen.weight * off.off_m;
-  return {across * seen.x, across * seen.y, across * seen.phi + seen.weight * seen.spread2 * off.slope};
+  return toPoses(std::move(pulls));
 }
 
 void SurfaceBundle::addTiesTimes(const Vectors& v, Vectors& result) const {
@@ -106,13 +125,12 @@ std::vector<Vector3d> SurfaceBundle::step() const {
     hold(v);
     return v;
   };
-  Vectors x(static_cast<std::size_t>(map_.size()), Vector3d::Zero()), Ap = x, left = rightSide(),
+  Vectors x(static_cast<std::size_t>(map_.size()), Vector3d::Zero()), left = rightSide(),
                                                                       z = preconditioned(left), p = z;
   double size2 = dot(left, z);
   const double enough = kSolved * kSolved * size2;
   for (int i = 0; i < kMostIterations && size2 > enough; ++i) {
-    for (auto& one : Ap) one.setZero();
-    addSurfacesTimes(p, Ap);
+    Vectors Ap = surfacesTimes(p);
     addTiesTimes(p, Ap);
     hold(Ap);
     const double stiffness = dot(p, Ap);
@@ -128,12 +146,11 @@ std::vector<Vector3d> SurfaceBundle::step() const {
 
 std::vector<Vector3d> SurfaceBundle::stepAround(const std::vector<Vector3d>& step) const {
   const auto told = toldBySurfaces();
-  Vectors around(step.size(), Vector3d::Zero());
-  addSurfacesTimes(step, around);
+  Vectors around = surfacesTimes(step);
   // What moves a keyframe against all that lies around it is its own match's noise.
   for (std::size_t k = 0; k < step.size(); ++k)
     around[k] = step[k] - scanmatch::covarianceOf(told[k] + by_odometry_[k]) * around[k];
   return around;
 }
 
-}  // namespace slam::graph
+}  // namespace slam::bundle

@@ -1,27 +1,26 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstddef>
-#include <cstdint>
-#include <utility>
 #include <vector>
 
+#include "libslam/bundle/shared_surfaces.h"
 #include "libslam/keyframes/keyframe_map.h"
 
-namespace slam::graph {
+namespace slam::bundle {
 
-/// Bundle adjustment of a map's scans: points of linked keyframes (see keyframes::Links) that fall into one
-/// cell, seen from one side, lie on one line, or round one point. What they have in common is eliminated, as
-/// planes are by Liu and Zhang (BALM, IEEE RA-L 6(2), 2021): the poses alone are left. Odometry and loops
-/// count beside them. While the robot is tracked, a keyframe is matched to those before it, and its match's
-/// noise goes on to all that come after; here it is averaged over all that see the same walls.
+/// Bundle adjustment of a map's scans: points of linked keyframes that lie on one line, or round one point,
+/// see SharedSurfaces. What they have in common is eliminated, as planes are by Liu and Zhang (BALM, IEEE
+/// RA-L 6(2), 2021): the poses alone are left. Odometry and loops count beside them. While the robot is
+/// tracked, a keyframe is matched to those before it, and its match's noise goes on to all that come after;
+/// here it is averaged over all that see the same walls.
 ///
 /// The equations tie every keyframe to all within its view, too many to be factorised. They are solved by
-/// conjugate gradients, with the graph's own edges as the preconditioner. Memory: 36 bytes for each keyframe
-/// and cell that it saw, and 90 more while it is made. For GraphSlam only.
+/// conjugate gradients, with the graph's own edges as the preconditioner. Memory: 16 bytes for each keyframe
+/// and cell that it saw.
 class SurfaceBundle {
  public:
-  /// The map as it stands, which has to stay so. REQUIRES a keyframe.
-  explicit SurfaceBundle(const keyframes::KeyframeMap& map);
+  /// The map as it stands, which has to stay so. REQUIRES a keyframe, and what this map's keyframes share.
+  SurfaceBundle(const keyframes::KeyframeMap& map, const SharedSurfaces& shared);
   /// What moves the poses of all keyframes, x, y (m), phi (rad), map frame: one step of Gauss and Newton.
   /// Zero for the first, and for the first of a part that has no known place. Empty when rounding leaves no
   /// factor.
@@ -34,17 +33,21 @@ class SurfaceBundle {
 
  private:
   using Vectors = std::vector<Eigen::Vector3d>;
-  /// A keyframe's points in a cell: how its pose moves their middle across a direction, what they weigh
-  /// (1/m^2), where along it they are and how far they spread (m^2), how far they are off, and how they run.
+  /// A keyframe's points in a cell: what they weigh (1/m^2), where along the surface they are (m), and how
+  /// far they spread there (m^2).
   struct Seen {
     int keyframe;
-    float x, y, phi = 0, weight = 0, along_m = 0, spread2 = 0, off_m = 0, slope = 0;
+    float weight, along_m, spread2;
   };
-  /// Those of one cell, one side and one direction.
+  /// Those of one cell, one side and one direction. Poses move them across it about the map's origin, so that
+  /// all turn them by one lever: see aboutOrigin().
   struct Surface {
     std::size_t begin, end;
-    double weight, lever;  ///< what holds a line in its place, and in its direction
+    Eigen::Vector2d across;
+    double lever_m;           ///< of where points are along it on average
+    double weight, rotation;  ///< what holds a line in its place, and in its direction
   };
+  /// Where a keyframe's points lie across a surface, and how they run.
   struct Line {
     double off_m, slope;
   };
@@ -55,40 +58,34 @@ class SurfaceBundle {
     Eigen::Vector3d off;
     bool is_measured;  ///< otherwise by a match, of which the surfaces tell more
   };
-  struct InCell;
-  struct Spread;
-  using Group = std::vector<const InCell*>;
-  using Linked = std::vector<std::vector<int>>;  ///< by keyframe, ascending
-  void collectSurfaces();
-  static std::pair<std::int32_t, std::int32_t> cellOf(const InCell& one);
-  static void sortByCell(std::vector<InCell>& all);
-  void gatherWalls(std::vector<InCell>& all) const;
-  static Group neighbourhood(const std::vector<InCell>& all, const InCell& one);
-  void addCell(const std::vector<InCell>& all, std::size_t begin, std::size_t end, const Linked& linked);
-  Spread spreadOf(const Group& group, const InCell& first) const;
-  void addSurfaces(const Group& group, const Group& around);
-  void addSurface(const Group& group, const core::Point2& direction, const core::Point2& mean,
-                  double variance);
+  void addSurface(const SharedSurface& shared);
   /// The line that fits best what each says of where it is, and how it runs.
   template <class LineOf>
   Line lineOf(const Surface& surface, const LineOf& of_one) const {
     Line sums{0, 0};
     for (std::size_t i = surface.begin; i < surface.end; ++i) {
       const Seen& seen = seen_[i];
-      const Line line = of_one(seen);
+      const Line line = of_one(i);
       sums.off_m += seen.weight * line.off_m;
       sums.slope += seen.weight * (seen.along_m * line.off_m + seen.spread2 * line.slope);
     }
-    return {sums.off_m / surface.weight, surface.lever > 0 ? sums.slope / surface.lever : 0};
+    return {sums.off_m / surface.weight, surface.rotation > 0 ? sums.slope / surface.rotation : 0};
   }
-  static Eigen::Vector3d pullOf(const Seen& seen, const Line& off);
+  /// On a keyframe's pose, of points that are off so much; about the map's origin.
+  static Eigen::Vector3d pullOf(const Surface& surface, const Seen& seen, const Line& off) {
+    const double pull = seen.weight * off.off_m;
+    return {pull * surface.across.x(), pull * surface.across.y(),
+            pull * (surface.lever_m + seen.along_m) + seen.weight * seen.spread2 * off.slope};
+  }
   void collectTies();
   void addTie(const posegraph::Edge& edge, double share, bool is_measured);
   void weighOdometry();
   std::vector<Eigen::Matrix3d> toldBySurfaces() const;
   void hold(Vectors& v) const;
   Vectors rightSide() const;
-  void addSurfacesTimes(const Vectors& v, Vectors& result) const;
+  Eigen::Matrix3d aboutOrigin(int keyframe) const;
+  Vectors toPoses(Vectors about_origin) const;
+  Vectors surfacesTimes(const Vectors& v) const;
   void addTiesTimes(const Vectors& v, Vectors& result) const;
   static Eigen::Vector3d& of(Vectors& v, int keyframe) { return v[static_cast<std::size_t>(keyframe)]; }
   static const Eigen::Vector3d& of(const Vectors& v, int keyframe) {
@@ -96,13 +93,14 @@ class SurfaceBundle {
   }
 
   const keyframes::KeyframeMap& map_;
-  double cell_m_, blur2_, point_variance_, chi2_ = 0;
+  double point_variance_, chi2_ = 0;
   std::vector<Seen> seen_;
   std::vector<Surface> surfaces_;
+  Vectors pulls_;  ///< of surfaces on keyframes, about the map's origin
   std::vector<Tie> ties_;
   std::vector<int> held_;  ///< first keyframes of parts that have no known place in one another
   /// What held each keyframe besides surfaces when it was matched, in units of what those tell.
   std::vector<Eigen::Matrix3d> by_odometry_;
 };
 
-}  // namespace slam::graph
+}  // namespace slam::bundle
