@@ -83,9 +83,11 @@ void SurfaceBundle::collectTies() {
   }
   weighOdometry();
   for (const auto& loop : map_.loopEdges()) addTie(edges[loop.edge], loop.share, true);
-  for (std::size_t i = 0; i < edges.size(); ++i)
-    if (edges[i].on && !is_odometry[i] && edges[i].kind == posegraph::EdgeKind::kOdometry)
-      addTie(edges[i], 1 / point_variance_, false);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (!edges[i].on || is_odometry[i] || edges[i].kind != posegraph::EdgeKind::kOdometry) continue;
+    const bool surfaces_tell = map_.mayBeMatchedTo(edges[i].from) && map_.mayBeMatchedTo(edges[i].to);
+    addTie(edges[i], 1 / point_variance_, !surfaces_tell);
+  }
   for (const Tie& tie : ties_)
     if (tie.is_measured) chi2_ += tie.off.dot(tie.information * tie.off);
 }
