@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "libslam/bundle/surface_bundle.h"
+#include "libslam/keyframes/matching.h"
 #include "libslam/scanmatch/information.h"
 #include "libslam/sparse/block_cholesky.h"
 
@@ -37,6 +38,11 @@ Matrix3d SurfaceBundle::aboutOrigin(int keyframe) const {
   return A;
 }
 
+/// The error of a way's first keyframe, at the second.
+Matrix3d SurfaceBundle::movedToEnd(const Tie& tie) const {
+  return keyframes::moved(core::position(map_.pose(tie.from)), core::position(map_.pose(tie.to)));
+}
+
 SurfaceBundle::Vectors SurfaceBundle::toPoses(Vectors about_origin) const {
   for (int k = 0; k < map_.size(); ++k)
     of(about_origin, k) = aboutOrigin(k).transpose() * of(about_origin, k);
@@ -46,14 +52,15 @@ SurfaceBundle::Vectors SurfaceBundle::toPoses(Vectors about_origin) const {
 /// Of each keyframe, as if all others stood.
 std::vector<Matrix3d> SurfaceBundle::toldBySurfaces() const {
   std::vector<Matrix3d> told(static_cast<std::size_t>(map_.size()), Matrix3d::Zero());
-  for (const Surface& surface : surfaces_)
-    for (std::size_t i = surface.begin; i < surface.end; ++i) {
-      const Seen& seen = seen_[i];
-      const Vector3d J(surface.across.x(), surface.across.y(), surface.lever_m + seen.along_m);
-      Matrix3d& of_keyframe = told[static_cast<std::size_t>(seen.keyframe)];
-      of_keyframe += static_cast<double>(seen.weight) * J * J.transpose();
-      of_keyframe(2, 2) += static_cast<double>(seen.weight) * seen.spread2;
-    }
+  for (const Piece& piece : pieces_)
+    for (const Surface& surface : piece.surfaces)
+      for (std::size_t i = surface.begin; i < surface.end; ++i) {
+        const Seen& seen = piece.seen[i];
+        const Vector3d J(surface.across.x(), surface.across.y(), surface.lever_m + seen.along_m);
+        Matrix3d& of_keyframe = told[static_cast<std::size_t>(seen.keyframe)];
+        of_keyframe += static_cast<double>(seen.weight) * J * J.transpose();
+        of_keyframe(2, 2) += static_cast<double>(seen.weight) * seen.spread2;
+      }
   for (int k = 0; k < map_.size(); ++k) {
     Matrix3d& of_keyframe = told[static_cast<std::size_t>(k)];
     const Matrix3d A = aboutOrigin(k);
@@ -69,7 +76,7 @@ SurfaceBundle::Vectors SurfaceBundle::rightSide() const {
     if (!tie.is_measured) continue;
     const Vector3d pull = tie.information * tie.off;
     of(b, tie.to) -= pull;
-    of(b, tie.from) += tie.J.transpose() * pull;
+    of(b, tie.from) += movedToEnd(tie).transpose() * pull;
   }
   hold(b);
   return b;
@@ -78,29 +85,32 @@ SurfaceBundle::Vectors SurfaceBundle::rightSide() const {
 SurfaceBundle::Vectors SurfaceBundle::surfacesTimes(const Vectors& v) const {
   Vectors moved = v, pulls(v.size(), Vector3d::Zero());
   for (int k = 0; k < map_.size(); ++k) of(moved, k) = aboutOrigin(k) * of(v, k);
-  for (const Surface& surface : surfaces_) {
-    const auto line_of = [&](std::size_t i) {
-      const Vector3d& by = of(moved, seen_[i].keyframe);
-      return Line{surface.across.dot(by.head<2>()) + (surface.lever_m + seen_[i].along_m) * by.z(), by.z()};
-    };
-    const Line common = lineOf(surface, line_of);
-    for (std::size_t i = surface.begin; i < surface.end; ++i) {
-      const Seen& seen = seen_[i];
-      const Line line = line_of(i);
-      of(pulls, seen.keyframe) +=
-          pullOf(surface, seen,
-                 {line.off_m - common.off_m - common.slope * seen.along_m, line.slope - common.slope});
+  for (const Piece& piece : pieces_)
+    for (const Surface& surface : piece.surfaces) {
+      const auto line_of = [&](std::size_t i) {
+        const Seen& seen = piece.seen[i];
+        const Vector3d& by = of(moved, seen.keyframe);
+        return Line{surface.across.dot(by.head<2>()) + (surface.lever_m + seen.along_m) * by.z(), by.z()};
+      };
+      const Line common = lineOf(surface, piece, line_of);
+      for (std::size_t i = surface.begin; i < surface.end; ++i) {
+        const Seen& seen = piece.seen[i];
+        const Line line = line_of(i);
+        of(pulls, seen.keyframe) +=
+            pullOf(surface, seen,
+                   {line.off_m - common.off_m - common.slope * seen.along_m, line.slope - common.slope});
+      }
     }
-  }
   return toPoses(std::move(pulls));
 }
 
 void SurfaceBundle::addTiesTimes(const Vectors& v, Vectors& result) const {
   for (const Tie& tie : ties_) {
     if (!tie.is_measured) continue;
-    const Vector3d pull = tie.information * (of(v, tie.to) - tie.J * of(v, tie.from));
+    const Matrix3d J = movedToEnd(tie);
+    const Vector3d pull = tie.information * (of(v, tie.to) - J * of(v, tie.from));
     of(result, tie.to) += pull;
-    of(result, tie.from) -= tie.J.transpose() * pull;
+    of(result, tie.from) -= J.transpose() * pull;
   }
 }
 
@@ -114,9 +124,9 @@ std::vector<Vector3d> SurfaceBundle::step() const {
   for (const int k : held_) about.addDiagonal(k, kFixed * Matrix3d::Identity());
   for (std::size_t i = 0; i < ties_.size(); ++i) {
     const Tie& tie = ties_[i];
-    const Matrix3d told = tie.information * tie.J;
+    const Matrix3d J = movedToEnd(tie), told = tie.information * J;
     about.addDiagonal(tie.to, tie.information);
-    about.addDiagonal(tie.from, tie.J.transpose() * told);
+    about.addDiagonal(tie.from, J.transpose() * told);
     about.addBlock(static_cast<int>(i), -told);
   }
   if (!about.factorizeRaised()) return {};

@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 /// Standard deviations beyond which a keyframe's points hardly count: half of what tracking allows, as poses
 /// are known by now.
 constexpr double kBundleKernel = keyframes::kKernel / 2;
+constexpr std::size_t kSeenInPiece = 1 << 16;
 
 }  // namespace
 
@@ -30,11 +31,20 @@ SurfaceBundle::SurfaceBundle(const keyframes::KeyframeMap& map, const SharedSurf
     if (components.insert(map.componentOf(k)).second) held_.push_back(k);
 }
 
+SurfaceBundle::Piece& SurfaceBundle::pieceFor(std::size_t seen) {
+  if (pieces_.empty() || pieces_.back().seen.size() + seen > pieces_.back().seen.capacity()) {
+    pieces_.emplace_back();
+    pieces_.back().seen.reserve(std::max(seen, kSeenInPiece));
+  }
+  return pieces_.back();
+}
+
 /// How far each one's points lie off the line that all have in common.
 void SurfaceBundle::addSurface(const SharedSurface& shared) {
   const auto& [ax, ay] = shared.direction;
   const core::Point2& mean = shared.mean;
-  Surface surface{seen_.size(), seen_.size() + shared.seen.size(), {-ay, ax}, 0, 0, 0};
+  Piece& piece = pieceFor(shared.seen.size());
+  Surface surface{piece.seen.size(), piece.seen.size() + shared.seen.size(), {-ay, ax}, 0, 0, 0};
   std::vector<Line> lines;
   double middle_m = 0;
   for (const PointsInCell* s : shared.seen) {
@@ -46,7 +56,7 @@ void SurfaceBundle::addSurface(const SharedSurface& shared) {
     const double spread2 = std::max(ax * ax * xx + 2 * ax * ay * xy + ay * ay * yy, 0.0),
                  rise = ax * ay * (yy - xx) + (ax * ax - ay * ay) * xy,
                  along_m = ax * (x - mean.x) + ay * (y - mean.y);
-    seen_.push_back(
+    piece.seen.push_back(
         {s->keyframe, static_cast<float>(weight), static_cast<float>(along_m), static_cast<float>(spread2)});
     lines.push_back({off_m, spread2 > 0 ? rise / spread2 : 0});
     surface.weight += weight, middle_m += weight * along_m;
@@ -54,19 +64,19 @@ void SurfaceBundle::addSurface(const SharedSurface& shared) {
   middle_m /= surface.weight;
   surface.lever_m = ax * (shared.centre.x + mean.x) + ay * (shared.centre.y + mean.y) + middle_m;
   for (std::size_t i = surface.begin; i < surface.end; ++i) {
-    Seen& seen = seen_[i];
+    Seen& seen = piece.seen[i];
     seen.along_m -= static_cast<float>(middle_m);
     surface.rotation += static_cast<double>(seen.weight) * (seen.along_m * seen.along_m + seen.spread2);
   }
-  const Line common = lineOf(surface, [&](std::size_t i) { return lines[i - surface.begin]; });
+  const Line common = lineOf(surface, piece, [&](std::size_t i) { return lines[i - surface.begin]; });
   for (std::size_t i = surface.begin; i < surface.end; ++i) {
-    const Seen& seen = seen_[i];
+    const Seen& seen = piece.seen[i];
     const Line& line = lines[i - surface.begin];
     const Line off{line.off_m - common.off_m - common.slope * seen.along_m, line.slope - common.slope};
     of(pulls_, seen.keyframe) += pullOf(surface, seen, off);
     chi2_ += seen.weight * (off.off_m * off.off_m + seen.spread2 * off.slope * off.slope);
   }
-  surfaces_.push_back(surface);
+  piece.surfaces.push_back(surface);
 }
 
 void SurfaceBundle::collectTies() {
@@ -99,7 +109,6 @@ void SurfaceBundle::addTie(const posegraph::Edge& edge, double share, bool is_me
                     expected = T_from * edge.T_from_to;
   ties_.push_back({edge.from,
                    edge.to,
-                   keyframes::moved(core::position(T_from), core::position(T)),
                    share * scanmatch::turned(edge.information, -T.phi),
                    {T.x - expected.x, T.y - expected.y, core::angleDifference(T.phi, expected.phi)},
                    is_measured});

@@ -42,29 +42,35 @@ class SurfaceBundle {
   /// Those of one cell, one side and one direction. Poses move them across it about the map's origin, so that
   /// all turn them by one lever: see aboutOrigin().
   struct Surface {
-    std::size_t begin, end;
+    std::size_t begin, end;  ///< in its piece
     Eigen::Vector2d across;
     double lever_m;           ///< of where points are along it on average
     double weight, rotation;  ///< what holds a line in its place, and in its direction
+  };
+  /// So many that no memory is left over, nor copied while there come more.
+  struct Piece {
+    std::vector<Seen> seen;
+    std::vector<Surface> surfaces;
   };
   /// Where a keyframe's points lie across a surface, and how they run.
   struct Line {
     double off_m, slope;
   };
-  /// A way between keyframes: how far the second is off, and the first's error there; map frame.
+  /// A way between keyframes: how far the second is off; map frame.
   struct Tie {
     int from, to;
-    Eigen::Matrix3d J, information;
+    Eigen::Matrix3d information;
     Eigen::Vector3d off;
     bool is_measured;  ///< otherwise by a match, of which the surfaces tell more
   };
   void addSurface(const SharedSurface& shared);
+  Piece& pieceFor(std::size_t seen);
   /// The line that fits best what each says of where it is, and how it runs.
   template <class LineOf>
-  Line lineOf(const Surface& surface, const LineOf& of_one) const {
+  static Line lineOf(const Surface& surface, const Piece& piece, const LineOf& of_one) {
     Line sums{0, 0};
     for (std::size_t i = surface.begin; i < surface.end; ++i) {
-      const Seen& seen = seen_[i];
+      const Seen& seen = piece.seen[i];
       const Line line = of_one(i);
       sums.off_m += seen.weight * line.off_m;
       sums.slope += seen.weight * (seen.along_m * line.off_m + seen.spread2 * line.slope);
@@ -84,6 +90,7 @@ class SurfaceBundle {
   void hold(Vectors& v) const;
   Vectors rightSide() const;
   Eigen::Matrix3d aboutOrigin(int keyframe) const;
+  Eigen::Matrix3d movedToEnd(const Tie& tie) const;
   Vectors toPoses(Vectors about_origin) const;
   Vectors surfacesTimes(const Vectors& v) const;
   void addTiesTimes(const Vectors& v, Vectors& result) const;
@@ -94,8 +101,7 @@ class SurfaceBundle {
 
   const keyframes::KeyframeMap& map_;
   double point_variance_, chi2_ = 0;
-  std::vector<Seen> seen_;
-  std::vector<Surface> surfaces_;
+  std::vector<Piece> pieces_;
   Vectors pulls_;  ///< of surfaces on keyframes, about the map's origin
   std::vector<Tie> ties_;
   std::vector<int> held_;  ///< first keyframes of parts that have no known place in one another

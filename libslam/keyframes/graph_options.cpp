@@ -76,7 +76,7 @@ Rows loopRows() {
       {"loop_work", &O::loop_work, 20.0, 1e-3, 1e9,
        "what a scan waits for at most while a place is searched for or all poses are found anew: million "
        "multiplications, 5 a millisecond; as many times as keyframe_distance_m lies between two scans"},
-      {"refine_rounds", &O::refine_rounds, 0, 0, 100,
+      {"refine_rounds", &O::refine_rounds, 3, 0, 100,
        "at the end all scans are fitted together so many times, or until nothing moves"}};
 }
 

@@ -182,11 +182,10 @@ TEST(Includes, EveryIncludeOfOursNamesAFile) {
 
 TEST(Includes, TheTableHoldsTheTruthWall) {
   for (const std::string robot_side :
-       {"gridmap", "scanmatch", "sparse",    "posegraph", "certified",   "obstacles",
-        "safety",  "paths",     "goals",     "choices",   "strategies",  "navigate",
-        "mrptnav", "odometry",  "wheels",    "keyframes", "uncertainty", "tracking",
-        "loops",   "bundle",    "graph",     "particles", "builders",    "methods",
-        "mapping"})
+       {"gridmap",   "scanmatch", "sparse",      "posegraph",  "certified", "obstacles", "safety",
+        "paths",     "goals",     "choices",     "strategies", "navigate",  "mrptnav",   "odometry",
+        "wheels",    "keyframes", "uncertainty", "tracking",   "loops",     "bundle",    "graph",
+        "particles", "builders",  "methods",     "mapping"})
     for (const std::string truth_side :
          {"world",  "rays",     "buildings", "drafting", "check",   "movers",  "sim",    "metrics",
           "oracle", "draw",     "pictures",  "report",   "process", "truth",   "record", "results",

@@ -61,6 +61,19 @@ TEST(SurfaceBundle, IsTheSameFarFromTheOrigin) {
   EXPECT_NEAR((here[1] - there[1]).norm(), 0, 5e-4);
 }
 
+// On known ground the oldest keyframe gives way to a newer one, and keeps no points.
+TEST(SurfaceBundle, HoldsAKeyframeByItsMatchToOneWithoutPoints) {
+  keyframes::KeyframeMap map{keyframes::GraphOptions{}};
+  addSeen(map, {0, 0, 0}, {}, -1);
+  addSeen(map, {1, 0, 0}, alongY(3.04, -2, 3), 0);
+  map.graph().setPose(1, {1.05, 0, 0});  // the match found it there, and not where odometry had it
+  map.tie(1, {0}, map.pose(1), 1e6 * Eigen::Matrix3d::Identity(), 1);
+  map.keyframes()[0].is_retired = true;
+  const auto step = SurfaceBundle(map, SharedSurfaces(map)).step();
+  ASSERT_EQ(step.size(), 2U);
+  EXPECT_NEAR(step[1].x(), 0, 1e-3);
+}
+
 TEST(SurfaceBundle, LeavesPartsWithoutAKnownPlaceWhereTheyAre) {
   const core::Pose2 T_robot{1, 0.5, 0.4};
   auto map = corner(T_robot, {1.01, 0.5, 0.4});
