@@ -140,6 +140,7 @@ std::vector<Vector3d> SurfaceBundle::step() const {
   double size2 = dot(left, z);
   const double enough = kSolved * kSolved * size2;
   for (int i = 0; i < kMostIterations && size2 > enough; ++i) {
+    often_();
     Vectors Ap = surfacesTimes(p);
     addTiesTimes(p, Ap);
     hold(Ap);

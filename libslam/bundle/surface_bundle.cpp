@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "libslam/keyframes/matching.h"
 #include "libslam/scanmatch/information.h"
@@ -20,8 +21,10 @@ constexpr std::size_t kSeenInPiece = 1 << 16;
 
 }  // namespace
 
-SurfaceBundle::SurfaceBundle(const keyframes::KeyframeMap& map, const SharedSurfaces& shared)
+SurfaceBundle::SurfaceBundle(const keyframes::KeyframeMap& map, const SharedSurfaces& shared,
+                             std::function<void()> often)
     : map_(map),
+      often_(std::move(often)),
       point_variance_(map.pointNoise().variance()),
       pulls_(static_cast<std::size_t>(map.size()), Vector3d::Zero()) {
   shared.forEach([&](const SharedSurface& surface) { addSurface(surface); });
@@ -33,6 +36,7 @@ SurfaceBundle::SurfaceBundle(const keyframes::KeyframeMap& map, const SharedSurf
 
 SurfaceBundle::Piece& SurfaceBundle::pieceFor(std::size_t seen) {
   if (pieces_.empty() || pieces_.back().seen.size() + seen > pieces_.back().seen.capacity()) {
+    often_();
     pieces_.emplace_back();
     pieces_.back().seen.reserve(std::max(seen, kSeenInPiece));
   }

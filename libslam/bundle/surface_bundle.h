@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "libslam/bundle/shared_surfaces.h"
@@ -20,7 +21,9 @@ namespace slam::bundle {
 class SurfaceBundle {
  public:
   /// The map as it stands, which has to stay so. REQUIRES a keyframe, and what this map's keyframes share.
-  SurfaceBundle(const keyframes::KeyframeMap& map, const SharedSurfaces& shared);
+  /// `often` is called while this is made and by step(), and may throw to end them.
+  SurfaceBundle(
+      const keyframes::KeyframeMap& map, const SharedSurfaces& shared, std::function<void()> often = [] {});
   /// What moves the poses of all keyframes, x, y (m), phi (rad), map frame: one step of Gauss and Newton.
   /// Zero for the first, and for the first of a part that has no known place. Empty when rounding leaves no
   /// factor.
@@ -100,6 +103,7 @@ class SurfaceBundle {
   }
 
   const keyframes::KeyframeMap& map_;
+  std::function<void()> often_;
   double point_variance_, chi2_ = 0;
   std::vector<Piece> pieces_;
   Vectors pulls_;  ///< of surfaces on keyframes, about the map's origin

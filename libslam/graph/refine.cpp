@@ -24,8 +24,9 @@ void GraphSlam::refine(core::Progress& progress) {
   progress.begin("fitting all scans");  // ended by whoever ends the finishing
   const bundle::SharedSurfaces shared(*map_);
   for (int round = 0; round < options_.refine_rounds; ++round) {
-    progress.update(static_cast<double>(round) / options_.refine_rounds, 0);
-    const bundle::SurfaceBundle bundle(*map_, shared);
+    const auto tell = [&] { progress.update(static_cast<double>(round) / options_.refine_rounds, 0); };
+    tell();
+    const bundle::SurfaceBundle bundle(*map_, shared, tell);
     const auto step = bundle.step();
     if (step.empty()) break;
     const auto around = bundle.stepAround(step);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "libslam/core/error.h"
 #include "libslam/graph/graph_slam.h"
 #include "tests/graph/drawn_drives.h"
 
@@ -90,6 +91,29 @@ TEST(Refining, StopsWhenNothingMovesAnyMore) {
                                     [](const auto& entry) { return entry.detail == "refinement"; });
   EXPECT_GE(rounds, 1);
   EXPECT_LT(rounds, 20);
+}
+
+/// Ends the work when a stage has told of itself so often.
+struct Ended : core::Progress {
+  int left;
+  bool is_fitting = false;
+  explicit Ended(int updates) : left(updates) {}
+  void begin(const std::string& stage) override { is_fitting = stage == "fitting all scans"; }
+  void update(double /*fraction*/, double /*log_time_s*/) override {
+    if (is_fitting && left-- == 0) throw core::Interrupted();
+  }
+};
+
+TEST(Refining, CanBeInterruptedWithinARound) {
+  const Drive log = alongACorridor(1);
+  const Refined without = mapped(log, 0);
+  for (const int updates : {1, 2, 5}) {
+    GraphSlam graph{keyframes::GraphOptions{}};
+    for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
+    Ended progress(updates);
+    EXPECT_THROW(graph.finish(progress), core::Interrupted) << updates;
+    EXPECT_EQ(graph.poses(), without.path) << "in the first round, which has not moved anything yet";
+  }
 }
 
 TEST(Refining, LeavesTheFirstPoseAndWhatWasGivenOnline) {
