@@ -4,8 +4,6 @@
 #include <string>
 #include <string_view>
 
-struct gzFile_s;
-
 namespace slam::files {
 
 /// The whole file. Errors: missing, a directory, unreadable (InputError with the path).
@@ -67,25 +65,6 @@ class GrowingFile {
   std::string final_path_;
   PendingFile file_;
   std::ofstream out_;
-};
-
-/// A file that is packed by gzip as it is written. Its header has neither name nor time: equal content gives
-/// equal bytes. Errors: IoError naming `final_path`, under which it will be known.
-class GzipFile {
- public:
-  GzipFile(const std::string& path, std::string final_path);
-  ~GzipFile();
-  GzipFile(const GzipFile&) = delete;
-  GzipFile& operator=(const GzipFile&) = delete;
-
-  void write(std::string_view bytes);
-  /// The rest to the disk.
-  void close();
-
- private:
-  [[noreturn]] void fail(int otherwise) const;
-  std::string final_path_;
-  gzFile_s* file_ = nullptr;
 };
 
 /// As PendingFile, for a folder: made empty beside the final name, renamed by commit(), removed otherwise;

@@ -11,6 +11,7 @@
 #include "libslam/files/trial_run.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/rawlogs/unpacking_stream.h"
+#include "libslam/resources/gzip.h"
 
 namespace slam::rawlogs {
 
@@ -71,7 +72,7 @@ class PackingStream : public mrpt::io::CStream {
   std::uint64_t getPosition() const override { return position_; }
 
  private:
-  files::GzipFile file_;
+  resources::GzipFile file_;
   std::optional<std::string> failure_;  ///< of writing
   std::uint64_t position_ = 0;
 };

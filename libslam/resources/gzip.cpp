@@ -2,6 +2,10 @@
 
 #include <zlib.h>
 
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 
@@ -26,10 +30,39 @@ std::string gzip(std::string_view bytes) {
 
 void writeGzipFile(const std::string& path, std::string_view bytes) {
   files::PendingFile pending(path);
-  files::GzipFile packed(pending.path(), path);
+  GzipFile packed(pending.path(), path);
   packed.write(bytes);
   packed.close();
   pending.commit();
+}
+
+GzipFile::GzipFile(const std::string& path, std::string final_path) : final_path_(std::move(final_path)) {
+  errno = 0;
+  file_ = gzopen(path.c_str(), "wb");
+  if (!file_) fail(ENOMEM);
+}
+
+GzipFile::~GzipFile() {
+  if (file_) gzclose(file_);
+}
+
+void GzipFile::fail(int otherwise) const {
+  throw core::IoError(final_path_ + ": cannot be written: " + std::strerror(errno ? errno : otherwise));
+}
+
+void GzipFile::write(std::string_view bytes) {
+  constexpr size_t kAtOnce = 1U << 20U;  // zlib counts in ints
+  for (size_t at = 0; at < bytes.size(); at += kAtOnce) {
+    const auto piece = bytes.substr(at, kAtOnce);
+    errno = 0;
+    if (gzwrite(file_, piece.data(), static_cast<unsigned>(piece.size())) != static_cast<int>(piece.size()))
+      fail(EIO);
+  }
+}
+
+void GzipFile::close() {
+  errno = 0;
+  if (gzclose(std::exchange(file_, nullptr)) != Z_OK) fail(EIO);
 }
 
 }  // namespace slam::resources

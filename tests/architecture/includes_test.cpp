@@ -23,7 +23,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"robot", {"core", "files", "lidar"}},
     {"objects", {"core", "files", "lidar"}},
     {"bags", {"core", "files", "lidar", "objects"}},
-    {"rawlogs", {"core", "files", "lidar", "objects"}},
+    {"rawlogs", {"core", "files", "resources", "lidar", "objects"}},
     {"logs", {"core", "files", "resources", "lidar", "objects", "bags", "rawlogs"}},
     {"edit", {"core", "files", "objects", "rawlogs", "logs"}},
     {"stats", {"core"}},
