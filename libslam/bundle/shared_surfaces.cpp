@@ -25,29 +25,22 @@ float toFloat(double value) {
   return static_cast<float>(value);
 }
 
-bool areOnOneSide(const PointsInCell& a, const PointsInCell& b) {
-  return a.nx * b.nx + a.ny * b.ny >= 0;
+/// Where points are that are spread like this, and which way they run.
+core::Point2 meanOf(const scanmatch::Spread& spread) {
+  return {spread.mx, spread.my};
 }
 
-scanmatch::ScanInCells::Sums sumsOf(const PointsInCell& one) {
-  return {one.n, one.x, one.y, one.xx, one.xy, one.yy, one.nx, one.ny};
+core::Point2 directionOf(const scanmatch::Spread& spread) {
+  // At half the angle of (half, xy).
+  const auto [sine, cosine] = core::sinCos(0.5 * core::atan2(spread.xy, spread.half));
+  return {cosine, sine};
+}
+
+bool isFlat(const scanmatch::Spread& spread) {
+  return spread.across < scanmatch::kFlat * spread.along;
 }
 
 }  // namespace
-
-bool SharedSurfaces::Spread::isFlat() const {
-  return across < scanmatch::kFlat * along;
-}
-
-std::pair<std::int32_t, std::int32_t> SharedSurfaces::cellOf(const PointsInCell& one) {
-  return {one.row, one.column};
-}
-
-std::size_t SharedSurfaces::endOfCell(const std::vector<PointsInCell>& all, std::size_t begin) {
-  std::size_t end = begin;
-  while (end < all.size() && cellOf(all[end]) == cellOf(all[begin])) ++end;
-  return end;
-}
 
 SharedSurfaces::SharedSurfaces(const keyframes::KeyframeMap& map)
     : map_(map),
@@ -77,9 +70,7 @@ void SharedSurfaces::divideWay() {
   }
 }
 
-bool SharedSurfaces::areLinked(const PointsInCell& a, const PointsInCell& b) const {
-  const int from = stretch_[static_cast<std::size_t>(a.keyframe)],
-            to = stretch_[static_cast<std::size_t>(b.keyframe)];
+bool SharedSurfaces::areLinked(int from, int to) const {
   const auto& near = linked_[static_cast<std::size_t>(from)];
   return from == to || std::binary_search(near.begin(), near.end(), to);
 }
@@ -93,18 +84,19 @@ void SharedSurfaces::forEach(const Visit& visit) const {
       if (end > row) next = std::min(next, std::max(first, row));
     return next;
   };
+  PointsByCell points;
+  Groups groups;
   std::int64_t row = std::numeric_limits<std::int64_t>::min() + kMargin;
   for (; nextWithPoints(row - kMargin) != kNone; row += kRowsOfBand) {
     // Walls may be moved to rows before those of points.
     row = std::max(row, nextWithPoints(row - kMargin) - kMargin);
-    auto all = pointsIn({row - kMargin, row + kRowsOfBand + kMargin}, of_keyframes);
-    sumUpByCell(all);
-    gatherWalls(all);
-    sumUpByCell(all);
-    for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
-      end = endOfCell(all, begin);
-      if (all[begin].row >= row && all[begin].row < row + kRowsOfBand) visitCell(all, begin, end, visit);
-    }
+    points.clear();
+    collect({row - kMargin, row + kRowsOfBand + kMargin}, of_keyframes, points);
+    points.sumUp();
+    gatherWalls(points);
+    points.sumUp();
+    for (const auto& cell : points.cells())
+      if (cell.row >= row && cell.row < row + kRowsOfBand) visitCell(points, cell, groups, visit);
   }
 }
 
@@ -127,10 +119,8 @@ std::vector<SharedSurfaces::Rows> SharedSurfaces::rowsOfKeyframes() const {
   return rows;
 }
 
-/// In the order of keyframes.
-std::vector<PointsInCell> SharedSurfaces::pointsIn(const Rows& rows,
-                                                   const std::vector<Rows>& of_keyframes) const {
-  std::vector<PointsInCell> all;
+void SharedSurfaces::collect(const Rows& rows, const std::vector<Rows>& of_keyframes,
+                             PointsByCell& points) const {
   scanmatch::ScanInCells scan;
   std::vector<scanmatch::PatchPoint> within;
   // A row more on each side: rounding decides at a border.
@@ -148,163 +138,160 @@ std::vector<PointsInCell> SharedSurfaces::pointsIn(const Rows& rows,
     scan.sort(within, T, cell_m_);
     for (const auto& [column, row, s] : scan.runs())
       if (row >= rows.first && row < rows.second)
-        all.push_back({static_cast<std::int32_t>(row), static_cast<std::int32_t>(column), k, toFloat(s.n),
-                       toFloat(s.x), toFloat(s.y), toFloat(s.xx), toFloat(s.xy), toFloat(s.yy), toFloat(s.nx),
-                       toFloat(s.ny), 0});
+        points.add({static_cast<std::int32_t>(row), static_cast<std::int32_t>(column), k, toFloat(s.n),
+                    toFloat(s.x), toFloat(s.y), toFloat(s.xx), toFloat(s.xy), toFloat(s.yy), toFloat(s.nx),
+                    toFloat(s.ny), 0, 0, 0});
   }
-  return all;
-}
-
-/// A keyframe's points in a cell as one, where they are seen from one side.
-void SharedSurfaces::sumUpByCell(std::vector<PointsInCell>& all) {
-  // In place, and in an order that is the same everywhere: sums of floats depend on it.
-  std::sort(all.begin(), all.end(), [](const PointsInCell& a, const PointsInCell& b) {
-    return std::tie(a.row, a.column, a.keyframe, a.x, a.y, a.n) <
-           std::tie(b.row, b.column, b.keyframe, b.x, b.y, b.n);
-  });
-  std::size_t end = 0;  // of those that are done
-  for (const PointsInCell& one : all) {
-    const auto isOfIt = [&](const PointsInCell& other) {
-      return cellOf(other) == cellOf(one) && other.keyframe == one.keyframe;
-    };
-    std::size_t same = end;
-    while (same > 0 && isOfIt(all[same - 1]) && !areOnOneSide(all[same - 1], one)) --same;
-    if (same == 0 || !isOfIt(all[same - 1])) {
-      all[end++] = one;
-      continue;
-    }
-    PointsInCell& sum = all[same - 1];
-    sum.n += one.n, sum.x += one.x, sum.y += one.y, sum.nx += one.nx, sum.ny += one.ny;
-    sum.xx += one.xx, sum.xy += one.xy, sum.yy += one.yy, sum.reach = std::max(sum.reach, one.reach);
-  }
-  all.resize(end);
 }
 
 /// Noise spreads a wall's points over two cells or more, across it: all go to the one that the middle of the
 /// wall is in. Each cell by itself would have the points whose noise has put them there. What looks like
 /// clutter from nearby may be a wall seen with much noise: from farther off that shows, and it is believed if
 /// the wall is not much thicker than others are here.
-void SharedSurfaces::gatherWalls(std::vector<PointsInCell>& all) const {
-  std::vector<Way> ways(all.size());
+void SharedSurfaces::gatherWalls(PointsByCell& points) const {
   std::vector<double> thickness2;
-  findWalls(all, 1, core::kInfinity, ways, thickness2);
+  findWalls(points, 1, core::kInfinity, thickness2);
   if (!thickness2.empty()) {
     const auto middle = thickness2.begin() + static_cast<std::ptrdiff_t>(thickness2.size() / 2);
     std::nth_element(thickness2.begin(), middle, thickness2.end());
     const double most = kThickest * kThickest * *middle;
-    findWalls(all, 2, most, ways, thickness2);
+    findWalls(points, 2, most, thickness2);
   }
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto [columns, rows, reach] = ways[i];
-    PointsInCell& one = all[i];
-    one.reach = reach;
-    if (columns == 0 && rows == 0) continue;
-    scanmatch::ScanInCells::Sums moved;
-    moved.add(sumsOf(one), 1, -columns * cell_m_, -rows * cell_m_);
+  for (PointsInCell& one : points.all()) {
+    if (one.columns_off == 0 && one.rows_off == 0) continue;
+    PointsByCell::Sums moved;
+    moved.add(sumsOf(one), 1, -one.columns_off * cell_m_, -one.rows_off * cell_m_);
     one.x = toFloat(moved.x), one.y = toFloat(moved.y);
     one.xx = toFloat(moved.xx), one.xy = toFloat(moved.xy), one.yy = toFloat(moved.yy);
-    one.column += columns, one.row += rows;
+    one.column += one.columns_off, one.row += one.rows_off;
+    one.columns_off = one.rows_off = 0;
   }
 }
 
-/// Ways to the middle of walls of at most this variance across, of points that have none yet; the variances.
-void SharedSurfaces::findWalls(const std::vector<PointsInCell>& all, std::int8_t reach, double most,
-                               std::vector<Way>& ways, std::vector<double>& thickness2) const {
-  const auto cells = [&](double m) { return static_cast<std::int8_t>(std::lround(m / cell_m_)); };
-  Group around;
-  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
-    end = endOfCell(all, begin);
-    around.clear();
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto wasTried = [&](std::size_t other) {
-        return ways[other].reach == 0 && areOnOneSide(all[other], all[i]);
-      };
-      bool is_known = ways[i].reach != 0;
-      for (std::size_t other = begin; other < i; ++other) is_known = is_known || wasTried(other);
-      if (is_known) continue;
-      if (around.empty()) around = neighbourhood(all, all[begin], reach);
-      const Spread spread = spreadOf(around, all[i]);
-      if (!spread.isFlat() || spread.across > most) continue;
-      const double across_m = spread.direction.x * spread.mean.y - spread.direction.y * spread.mean.x;
-      const Way way{cells(-spread.direction.y * across_m), cells(spread.direction.x * across_m), reach};
-      thickness2.push_back(spread.across);
-      for (std::size_t other = i; other < end; ++other)
-        if (ways[other].reach == 0 && areOnOneSide(all[i], all[other])) ways[other] = way;
+/// Walls of at most this variance across, of points that have none yet; the variances.
+void SharedSurfaces::findWalls(PointsByCell& points, std::int8_t reach, double most,
+                               std::vector<double>& thickness2) const {
+  std::vector<Fan> without;  // points of the cell that are on no wall, as is what else lies on their side
+  for (const auto& cell : points.cells()) {
+    without.clear();
+    for (std::size_t i = cell.begin; i < cell.end; ++i) {
+      const PointsInCell& one = points.at(i);
+      if (one.reach != 0) continue;
+      const bool was_tried =
+          std::any_of(without.begin(), without.end(), [&](const Fan& fan) { return fan.isAnyOnSideOf(one); });
+      if (!was_tried && findWall(points, cell, i, reach, most, thickness2)) continue;
+      const auto fan =
+          std::find_if(without.begin(), without.end(), [&](const Fan& known) { return known.takes(one); });
+      if (fan == without.end())
+        without.emplace_back(one);
+      else
+        fan->add(one);
     }
   }
+}
+
+/// Of a cell's points from the i-th on, on its side: how far off the middle of their wall is.
+bool SharedSurfaces::findWall(PointsByCell& points, const PointsByCell::Cell& cell, std::size_t i,
+                              std::int8_t reach, double most, std::vector<double>& thickness2) const {
+  const PointsInCell& first = points.at(i);
+  const scanmatch::Spread spread = points.around(cell, reach, first, cell_m_).spread();
+  if (!isFlat(spread) || spread.across > most) return false;
+  const auto cells = [&](double m) { return static_cast<std::int8_t>(std::lround(m / cell_m_)); };
+  const core::Point2 direction = directionOf(spread), mean = meanOf(spread);
+  const double across_m = direction.x * mean.y - direction.y * mean.x;
+  const std::int8_t columns = cells(-direction.y * across_m), rows = cells(direction.x * across_m);
+  thickness2.push_back(spread.across);
+  for (; i < cell.end; ++i) {
+    PointsInCell& one = points.at(i);
+    if (one.reach == 0 && areOnOneSide(first, one))
+      one.reach = reach, one.columns_off = columns, one.rows_off = rows;
+  }
+  return true;
+}
+
+void SharedSurfaces::Group::add(const PointsInCell& one, int stretch) {
+  points.push_back(&one);
+  if (stretches.empty() || stretches.back() != stretch) stretches.push_back(stretch);
+}
+
+void SharedSurfaces::Group::takeOver(Group& other) {
+  points.insert(points.end(), other.points.begin(), other.points.end());
+  stretches.insert(stretches.end(), other.stretches.begin(), other.stretches.end());
+  other.points.clear(), other.stretches.clear();
+}
+
+/// What it belongs to becomes one group, and the last.
+void SharedSurfaces::join(const PointsInCell& one, Groups& groups) const {
+  const int stretch = stretchOf(one);
+  const auto isOf = [&](const Group& group) {
+    if (!areOnOneSide(*group.points.front(), one)) return false;
+    return std::any_of(group.stretches.rbegin(), group.stretches.rend(),
+                       [&](int other) { return areLinked(stretch, other); });
+  };
+  auto& all = groups.groups;
+  std::size_t joined = groups.count;
+  for (std::size_t i = 0; i < groups.count; ++i) {
+    if (!isOf(all[i])) continue;
+    if (joined == groups.count)
+      joined = i;
+    else
+      all[joined].takeOver(all[i]);
+  }
+  if (joined == all.size()) all.emplace_back();
+  all[joined].add(one, stretch);
+  // The others close up, in their order.
+  std::size_t last = joined;
+  for (std::size_t i = joined + 1; i < groups.count; ++i) {
+    if (all[i].points.empty()) continue;
+    std::swap(all[last], all[i]);
+    if (joined == last) joined = i;
+    ++last;
+  }
+  std::swap(all[last], all[joined]);
+  groups.count = last + 1;
 }
 
 /// Apart by the side that points are seen from, and by what keyframes hang together.
-void SharedSurfaces::visitCell(const std::vector<PointsInCell>& all, std::size_t begin, std::size_t end,
+void SharedSurfaces::visitCell(const PointsByCell& points, const PointsByCell::Cell& cell, Groups& groups,
                                const Visit& visit) const {
-  std::vector<Group> groups;
-  for (std::size_t i = begin; i < end; ++i) {
-    const PointsInCell& one = all[i];
-    const auto isOf = [&](const Group& group) {
-      if (!areOnOneSide(*group.front(), one)) return false;
-      return std::any_of(group.rbegin(), group.rend(),
-                         [&](const PointsInCell* other) { return areLinked(one, *other); });
-    };
-    Group joined;
-    for (Group& group : groups) {
-      if (!isOf(group)) continue;
-      joined.insert(joined.end(), group.begin(), group.end());
-      group.clear();
-    }
-    joined.push_back(&one);
-    groups.erase(std::remove_if(groups.begin(), groups.end(), [](const Group& g) { return g.empty(); }),
-                 groups.end());
-    groups.push_back(std::move(joined));
+  groups.count = 0;
+  for (std::size_t i = cell.begin; i < cell.end; ++i) join(points.at(i), groups);
+  for (std::size_t i = 0; i < groups.count; ++i) {
+    Group& group = groups.groups[i];
+    groups.surface.seen.swap(group.points);
+    visitGroup(points, cell, groups.surface, visit);
+    groups.surface.seen.swap(group.points);
+    group.points.clear(), group.stretches.clear();
   }
-  for (Group& group : groups) {
-    std::int8_t reach = 1;
-    for (const PointsInCell* one : group) reach = std::max(reach, one->reach);
-    visitGroup(std::move(group), neighbourhood(all, all[begin], reach), visit);
-  }
-}
-
-/// What lies in a cell and so far around it.
-SharedSurfaces::Group SharedSurfaces::neighbourhood(const std::vector<PointsInCell>& all,
-                                                    const PointsInCell& one, std::int32_t reach) {
-  Group around;
-  for (std::int32_t row = one.row - reach; row <= one.row + reach; ++row) {
-    const std::pair first(row, one.column - reach), last(row, one.column + reach);
-    auto next = std::lower_bound(all.begin(), all.end(), first,
-                                 [](const PointsInCell& a, const auto& cell) { return cellOf(a) < cell; });
-    for (; next != all.end() && cellOf(*next) <= last; ++next) around.push_back(&*next);
-  }
-  return around;
-}
-
-/// Of those that are seen from the side that `first` is seen from.
-SharedSurfaces::Spread SharedSurfaces::spreadOf(const Group& group, const PointsInCell& first) const {
-  scanmatch::ScanInCells::Sums sums;
-  for (const PointsInCell* s : group)
-    if (areOnOneSide(*s, first))
-      sums.add(sumsOf(*s), 1, (s->column - first.column) * cell_m_, (s->row - first.row) * cell_m_);
-  const scanmatch::Spread spread = sums.spread();
-  // At half the angle of (half, xy).
-  const auto [sine, cosine] = core::sinCos(0.5 * core::atan2(spread.xy, spread.half));
-  return {sums.n, {spread.mx, spread.my}, {cosine, sine}, spread.along, spread.across};
 }
 
 /// A cell alone is too small to tell which way a wall runs through it: what is around it tells that. A wall
 /// says nothing of where along it one stands; anything else is where its points are.
-void SharedSurfaces::visitGroup(Group group, const Group& around, const Visit& visit) const {
-  const PointsInCell& first = *group.front();
-  const bool is_shared = std::any_of(
-      group.begin(), group.end(), [&](const PointsInCell* one) { return one->keyframe != first.keyframe; });
+void SharedSurfaces::visitGroup(const PointsByCell& points, const PointsByCell::Cell& cell,
+                                SharedSurface& surface, const Visit& visit) const {
+  const PointsInCell& first = *surface.seen.front();
+  std::int8_t reach = 1;
+  bool is_shared = false;
+  for (const PointsInCell* one : surface.seen)
+    is_shared = is_shared || one->keyframe != first.keyframe, reach = std::max(reach, one->reach);
   if (!is_shared) return;
-  const Spread wide = spreadOf(around, first);
-  const bool is_wall = wide.isFlat();
-  const Spread spread = is_wall ? wide : spreadOf(group, first);
-  if (spread.n < kLeastPoints) return;
-  const auto& [x, y] = spread.direction;
-  const core::Point2 centre{(first.column + 0.5) * cell_m_, (first.row + 0.5) * cell_m_};
-  SharedSurface surface{std::move(group), centre, spread.direction, spread.mean, spread.across + blur2_};
+  PointsByCell::Sums sums = points.around(cell, reach, first, cell_m_);
+  scanmatch::Spread spread = sums.spread();
+  const bool is_wall = isFlat(spread);
+  if (!is_wall) {
+    sums = {};
+    for (const PointsInCell* one : surface.seen)
+      if (areOnOneSide(*one, first)) sums.add(sumsOf(*one), 1, 0, 0);
+    spread = sums.spread();
+  }
+  if (sums.n < kLeastPoints) return;
+  surface.centre = {(cell.column + 0.5) * cell_m_, (cell.row + 0.5) * cell_m_};
+  surface.mean = meanOf(spread), surface.direction = directionOf(spread);
+  surface.variance = spread.across + blur2_;
   visit(surface);
-  if (is_wall || spread.isFlat()) return;
-  surface.direction = {-y, x}, surface.variance = spread.along + blur2_;
+  if (is_wall || isFlat(spread)) return;
+  surface.direction = {-surface.direction.y, surface.direction.x};
+  surface.variance = spread.along + blur2_;
   visit(surface);
 }
 

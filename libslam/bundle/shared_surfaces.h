@@ -5,17 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "libslam/bundle/points_by_cell.h"
 #include "libslam/keyframes/keyframe_map.h"
 
 namespace slam::bundle {
-
-/// Of a keyframe's points in a cell those that are seen from one side: sums from the cell's centre, as
-/// scanmatch::ScanInCells has them.
-struct PointsInCell {
-  std::int32_t row, column, keyframe;
-  float n, x, y, xx, xy, yy, nx, ny;
-  std::int8_t reach;  ///< cells around that show that they are of a wall; 0: they are not
-};
 
 /// A line, or one direction of something round, that more than one keyframe has seen. All but the centre from
 /// there, m and m^2.
@@ -29,7 +22,7 @@ struct SharedSurface {
 
 /// What keyframes of a map have seen of the same walls: points of linked ones (see keyframes::Links) that
 /// fall into one cell, from one side. The map is gone through in bands of rows, so that memory is that of a
-/// band: 52 bytes for each keyframe and cell in it.
+/// band: 72 bytes for each keyframe and cell in it.
 class SharedSurfaces {
  public:
   /// REQUIRES a map that outlives this, and keeps its keyframes. Their poses may change.
@@ -38,37 +31,35 @@ class SharedSurfaces {
   void forEach(const std::function<void(const SharedSurface&)>& visit) const;
 
  private:
-  using Group = std::vector<const PointsInCell*>;
   using Visit = std::function<void(const SharedSurface&)>;
-  /// Where points lie, as they were seen from one side; from the centre of a cell.
-  struct Spread {
-    double n = 0;
-    core::Point2 mean;
-    core::Point2 direction;  ///< of most spread
-    double along = 0, across = 0;
-    bool isFlat() const;
-  };
   using Rows = std::pair<std::int64_t, std::int64_t>;  ///< the first, and the one after the last
-  void divideWay();
-  bool areLinked(const PointsInCell& a, const PointsInCell& b) const;
-  static std::pair<std::int32_t, std::int32_t> cellOf(const PointsInCell& one);
-  static std::size_t endOfCell(const std::vector<PointsInCell>& all, std::size_t begin);
-  std::vector<Rows> rowsOfKeyframes() const;
-  std::vector<PointsInCell> pointsIn(const Rows& rows, const std::vector<Rows>& of_keyframes) const;
-  static void sumUpByCell(std::vector<PointsInCell>& all);
-  void gatherWalls(std::vector<PointsInCell>& all) const;
-  /// Of points in a cell: the cell that the middle of their wall is in, and PointsInCell::reach.
-  struct Way {
-    std::int8_t columns = 0, rows = 0, reach = 0;
+  /// Points of a cell that are seen from one side, by keyframes that hang together.
+  struct Group {
+    std::vector<const PointsInCell*> points;
+    std::vector<int> stretches;  ///< of those
+    void add(const PointsInCell& one, int stretch);
+    void takeOver(Group& other);
   };
-  void findWalls(const std::vector<PointsInCell>& all, std::int8_t reach, double most, std::vector<Way>& ways,
-                 std::vector<double>& thickness2) const;
-  static Group neighbourhood(const std::vector<PointsInCell>& all, const PointsInCell& one,
-                             std::int32_t reach);
-  void visitCell(const std::vector<PointsInCell>& all, std::size_t begin, std::size_t end,
+  /// The memory of groups is kept.
+  struct Groups {
+    std::vector<Group> groups;
+    std::size_t count = 0;
+    SharedSurface surface;
+  };
+  void divideWay();
+  int stretchOf(const PointsInCell& one) const { return stretch_[static_cast<std::size_t>(one.keyframe)]; }
+  bool areLinked(int from, int to) const;
+  std::vector<Rows> rowsOfKeyframes() const;
+  void collect(const Rows& rows, const std::vector<Rows>& of_keyframes, PointsByCell& points) const;
+  void gatherWalls(PointsByCell& points) const;
+  void findWalls(PointsByCell& points, std::int8_t reach, double most, std::vector<double>& thickness2) const;
+  bool findWall(PointsByCell& points, const PointsByCell::Cell& cell, std::size_t i, std::int8_t reach,
+                double most, std::vector<double>& thickness2) const;
+  void join(const PointsInCell& one, Groups& groups) const;
+  void visitCell(const PointsByCell& points, const PointsByCell::Cell& cell, Groups& groups,
                  const Visit& visit) const;
-  void visitGroup(Group group, const Group& around, const Visit& visit) const;
-  Spread spreadOf(const Group& group, const PointsInCell& first) const;
+  void visitGroup(const PointsByCell& points, const PointsByCell::Cell& cell, SharedSurface& surface,
+                  const Visit& visit) const;
 
   const keyframes::KeyframeMap& map_;
   double cell_m_, blur2_;
