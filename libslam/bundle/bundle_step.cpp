@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "libslam/bundle/surface_bundle.h"
@@ -51,20 +52,13 @@ SurfaceBundle::Vectors SurfaceBundle::toPoses(Vectors about_origin) const {
 
 /// Of each keyframe, as if all others stood.
 std::vector<Matrix3d> SurfaceBundle::toldBySurfaces() const {
-  std::vector<Matrix3d> told(static_cast<std::size_t>(map_.size()), Matrix3d::Zero());
-  for (const Piece& piece : pieces_)
-    for (const Surface& surface : piece.surfaces)
-      for (std::size_t i = surface.begin; i < surface.end; ++i) {
-        const Seen& seen = piece.seen[i];
-        const Vector3d J(surface.across.x(), surface.across.y(), surface.lever_m + seen.along_m);
-        Matrix3d& of_keyframe = told[static_cast<std::size_t>(seen.keyframe)];
-        of_keyframe += static_cast<double>(seen.weight) * J * J.transpose();
-        of_keyframe(2, 2) += static_cast<double>(seen.weight) * seen.spread2;
-      }
+  std::vector<Matrix3d> told(told_.size());
   for (int k = 0; k < map_.size(); ++k) {
-    Matrix3d& of_keyframe = told[static_cast<std::size_t>(k)];
+    const auto& [xx, xy, yy, xz, yz, zz] = told_[static_cast<std::size_t>(k)];
+    Matrix3d about_origin;
+    about_origin << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     const Matrix3d A = aboutOrigin(k);
-    of_keyframe = kHeld * Matrix3d::Identity() + A.transpose() * of_keyframe * A;
+    told[static_cast<std::size_t>(k)] = kHeld * Matrix3d::Identity() + A.transpose() * about_origin * A;
   }
   return told;
 }
@@ -72,8 +66,8 @@ std::vector<Matrix3d> SurfaceBundle::toldBySurfaces() const {
 SurfaceBundle::Vectors SurfaceBundle::rightSide() const {
   Vectors b = toPoses(pulls_);
   for (Vector3d& of_keyframe : b) of_keyframe = -of_keyframe;
-  for (const Tie& tie : ties_) {
-    if (!tie.is_measured) continue;
+  for (std::size_t i = 0; i < measured_; ++i) {
+    const Tie& tie = ties_[i];
     const Vector3d pull = tie.information * tie.off;
     of(b, tie.to) -= pull;
     of(b, tie.from) += movedToEnd(tie).transpose() * pull;
@@ -83,30 +77,44 @@ SurfaceBundle::Vectors SurfaceBundle::rightSide() const {
 }
 
 SurfaceBundle::Vectors SurfaceBundle::surfacesTimes(const Vectors& v) const {
-  Vectors moved = v, pulls(v.size(), Vector3d::Zero());
+  Vectors moved(v.size()), pulls(v.size(), Vector3d::Zero());
   for (int k = 0; k < map_.size(); ++k) of(moved, k) = aboutOrigin(k) * of(v, k);
+  std::vector<Line> lines;
   for (const Piece& piece : pieces_)
     for (const Surface& surface : piece.surfaces) {
-      const auto line_of = [&](std::size_t i) {
-        const Seen& seen = piece.seen[i];
-        const Vector3d& by = of(moved, seen.keyframe);
-        return Line{surface.across.dot(by.head<2>()) + (surface.lever_m + seen.along_m) * by.z(), by.z()};
-      };
-      const Line common = lineOf(surface, piece, line_of);
-      for (std::size_t i = surface.begin; i < surface.end; ++i) {
-        const Seen& seen = piece.seen[i];
-        const Line line = line_of(i);
-        of(pulls, seen.keyframe) +=
-            pullOf(surface, seen,
-                   {line.off_m - common.off_m - common.slope * seen.along_m, line.slope - common.slope});
-      }
+      lines.resize(std::max(lines.size(), surface.end - surface.begin));
+      pullBack(surface, &piece.seen[surface.begin], moved, lines.data(), pulls);
     }
   return toPoses(std::move(pulls));
 }
 
+/// To the line that fits best how keyframes were moved.
+void SurfaceBundle::pullBack(const Surface& surface, const Seen* seen, const Vectors& moved, Line* lines,
+                             Vectors& pulls) {
+  const double ax = surface.across.x(), ay = surface.across.y(), lever_m = surface.lever_m;
+  const std::size_t count = surface.end - surface.begin;
+  double common_m = 0, slope = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double weight = seen[i].weight, along_m = seen[i].along_m, spread2 = seen[i].spread2;
+    const Vector3d& by = of(moved, seen[i].keyframe);
+    const Line line{ax * by.x() + ay * by.y() + (lever_m + along_m) * by.z(), by.z()};
+    lines[i] = line;
+    common_m += weight * line.off_m;
+    slope += weight * (along_m * line.off_m + spread2 * line.slope);
+  }
+  common_m *= surface.by_weight, slope *= surface.by_rotation;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double weight = seen[i].weight, along_m = seen[i].along_m, spread2 = seen[i].spread2;
+    const double pull = weight * (lines[i].off_m - common_m - slope * along_m);
+    Vector3d& pulled = of(pulls, seen[i].keyframe);
+    pulled.x() += pull * ax, pulled.y() += pull * ay;
+    pulled.z() += pull * (lever_m + along_m) + weight * spread2 * (lines[i].slope - slope);
+  }
+}
+
 void SurfaceBundle::addTiesTimes(const Vectors& v, Vectors& result) const {
-  for (const Tie& tie : ties_) {
-    if (!tie.is_measured) continue;
+  for (std::size_t i = 0; i < measured_; ++i) {
+    const Tie& tie = ties_[i];
     const Matrix3d J = movedToEnd(tie);
     const Vector3d pull = tie.information * (of(v, tie.to) - J * of(v, tie.from));
     of(result, tie.to) += pull;

@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "libslam/bundle/shared_surfaces.h"
@@ -47,8 +48,9 @@ class SurfaceBundle {
   struct Surface {
     std::size_t begin, end;  ///< in its piece
     Eigen::Vector2d across;
-    double lever_m;           ///< of where points are along it on average
-    double weight, rotation;  ///< what holds a line in its place, and in its direction
+    double lever_m;  ///< of where points are along it on average
+    /// One by what holds a line in its place, and in its direction; 0: nothing does.
+    double by_weight, by_rotation;
   };
   /// So many that no memory is left over, nor copied while there come more.
   struct Piece {
@@ -64,30 +66,17 @@ class SurfaceBundle {
     int from, to;
     Eigen::Matrix3d information;
     Eigen::Vector3d off;
-    bool is_measured;  ///< otherwise by a match, of which the surfaces tell more
+  };
+  /// What surfaces tell of a keyframe as if all others stood, about the map's origin: the upper triangle.
+  struct Told {
+    double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
   };
   void addSurface(const SharedSurface& shared);
+  std::pair<double, double> addSeen(const SharedSurface& shared, Piece& piece);
+  void pull(const Surface& surface, const Piece& piece);
   Piece& pieceFor(std::size_t seen);
-  /// The line that fits best what each says of where it is, and how it runs.
-  template <class LineOf>
-  static Line lineOf(const Surface& surface, const Piece& piece, const LineOf& of_one) {
-    Line sums{0, 0};
-    for (std::size_t i = surface.begin; i < surface.end; ++i) {
-      const Seen& seen = piece.seen[i];
-      const Line line = of_one(i);
-      sums.off_m += seen.weight * line.off_m;
-      sums.slope += seen.weight * (seen.along_m * line.off_m + seen.spread2 * line.slope);
-    }
-    return {sums.off_m / surface.weight, surface.rotation > 0 ? sums.slope / surface.rotation : 0};
-  }
-  /// On a keyframe's pose, of points that are off so much; about the map's origin.
-  static Eigen::Vector3d pullOf(const Surface& surface, const Seen& seen, const Line& off) {
-    const double pull = seen.weight * off.off_m;
-    return {pull * surface.across.x(), pull * surface.across.y(),
-            pull * (surface.lever_m + seen.along_m) + seen.weight * seen.spread2 * off.slope};
-  }
   void collectTies();
-  void addTie(const posegraph::Edge& edge, double share, bool is_measured);
+  void addTie(const posegraph::Edge& edge, double share);
   void weighOdometry();
   std::vector<Eigen::Matrix3d> toldBySurfaces() const;
   void hold(Vectors& v) const;
@@ -96,6 +85,8 @@ class SurfaceBundle {
   Eigen::Matrix3d movedToEnd(const Tie& tie) const;
   Vectors toPoses(Vectors about_origin) const;
   Vectors surfacesTimes(const Vectors& v) const;
+  static void pullBack(const Surface& surface, const Seen* seen, const Vectors& moved, Line* lines,
+                       Vectors& pulls);
   void addTiesTimes(const Vectors& v, Vectors& result) const;
   static Eigen::Vector3d& of(Vectors& v, int keyframe) { return v[static_cast<std::size_t>(keyframe)]; }
   static const Eigen::Vector3d& of(const Vectors& v, int keyframe) {
@@ -107,7 +98,11 @@ class SurfaceBundle {
   double point_variance_, chi2_ = 0;
   std::vector<Piece> pieces_;
   Vectors pulls_;  ///< of surfaces on keyframes, about the map's origin
-  std::vector<Tie> ties_;
+  std::vector<Told> told_;
+  std::vector<double> point_weights_;  ///< by keyframe, 1 by the variance of its points' noise, in units
+  std::vector<Line> lines_;            ///< of the surface that is added
+  std::vector<Tie> ties_;              ///< those that are measured come first
+  std::size_t measured_ = 0;
   std::vector<int> held_;  ///< first keyframes of parts that have no known place in one another
   /// What held each keyframe besides surfaces when it was matched, in units of what those tell.
   std::vector<Eigen::Matrix3d> by_odometry_;
