@@ -79,7 +79,7 @@ SurfaceBundle::Vectors SurfaceBundle::rightSide() const {
 SurfaceBundle::Vectors SurfaceBundle::surfacesTimes(const Vectors& v) const {
   Vectors moved(v.size()), pulls(v.size(), Vector3d::Zero());
   for (int k = 0; k < map_.size(); ++k) of(moved, k) = aboutOrigin(k) * of(v, k);
-  std::vector<Line> lines;
+  std::vector<Moved> lines;
   for (const Piece& piece : pieces_)
     for (const Surface& surface : piece.surfaces) {
       lines.resize(std::max(lines.size(), surface.end - surface.begin));
@@ -89,26 +89,26 @@ SurfaceBundle::Vectors SurfaceBundle::surfacesTimes(const Vectors& v) const {
 }
 
 /// To the line that fits best how keyframes were moved.
-void SurfaceBundle::pullBack(const Surface& surface, const Seen* seen, const Vectors& moved, Line* lines,
+void SurfaceBundle::pullBack(const Surface& surface, const Seen* seen, const Vectors& moved, Moved* lines,
                              Vectors& pulls) {
   const double ax = surface.across.x(), ay = surface.across.y(), lever_m = surface.lever_m;
   const std::size_t count = surface.end - surface.begin;
-  double common_m = 0, slope = 0;
+  double common_m = 0, common_slope = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const double weight = seen[i].weight, along_m = seen[i].along_m, spread2 = seen[i].spread2;
+    const double weight = seen[i].weight, along_m = seen[i].along_m, hold = weight * seen[i].spread2;
     const Vector3d& by = of(moved, seen[i].keyframe);
-    const Line line{ax * by.x() + ay * by.y() + (lever_m + along_m) * by.z(), by.z()};
-    lines[i] = line;
-    common_m += weight * line.off_m;
-    slope += weight * (along_m * line.off_m + spread2 * line.slope);
+    const double slope = by.z(), own_m = ax * by.x() + ay * by.y() + (lever_m + along_m) * slope;
+    lines[i] = {own_m, slope, weight, along_m, hold};
+    common_m += weight * own_m;
+    common_slope += weight * along_m * own_m + hold * slope;
   }
-  common_m *= surface.by_weight, slope *= surface.by_rotation;
+  common_m *= surface.by_weight, common_slope *= surface.by_rotation;
   for (std::size_t i = 0; i < count; ++i) {
-    const double weight = seen[i].weight, along_m = seen[i].along_m, spread2 = seen[i].spread2;
-    const double pull = weight * (lines[i].off_m - common_m - slope * along_m);
+    const auto& [own_m, slope, weight, along_m, hold] = lines[i];
+    const double pull = weight * (own_m - common_m - common_slope * along_m);
     Vector3d& pulled = of(pulls, seen[i].keyframe);
     pulled.x() += pull * ax, pulled.y() += pull * ay;
-    pulled.z() += pull * (lever_m + along_m) + weight * spread2 * (lines[i].slope - slope);
+    pulled.z() += pull * (lever_m + along_m) + hold * (slope - common_slope);
   }
 }
 

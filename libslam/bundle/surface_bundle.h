@@ -61,6 +61,10 @@ class SurfaceBundle {
   struct Line {
     double off_m, slope;
   };
+  /// A line that was moved, what it weighs, where it is along the surface, and how fast it holds its slope.
+  struct Moved {
+    double off_m, slope, weight, along_m, hold;
+  };
   /// A way between keyframes: how far the second is off; map frame.
   struct Tie {
     int from, to;
@@ -85,7 +89,7 @@ class SurfaceBundle {
   Eigen::Matrix3d movedToEnd(const Tie& tie) const;
   Vectors toPoses(Vectors about_origin) const;
   Vectors surfacesTimes(const Vectors& v) const;
-  static void pullBack(const Surface& surface, const Seen* seen, const Vectors& moved, Line* lines,
+  static void pullBack(const Surface& surface, const Seen* seen, const Vectors& moved, Moved* lines,
                        Vectors& pulls);
   void addTiesTimes(const Vectors& v, Vectors& result) const;
   static Eigen::Vector3d& of(Vectors& v, int keyframe) { return v[static_cast<std::size_t>(keyframe)]; }
