@@ -75,12 +75,12 @@ std::pair<double, double> SurfaceBundle::addSeen(const SharedSurface& shared, Pi
   double weights = 0, middle_m = 0;
   lines_.clear();
   for (const PointsInCell* s : shared.seen) {
-    const double by_n = 1 / static_cast<double>(s->n), x = s->x * by_n, y = s->y * by_n;
+    const double x = s->x / s->n, y = s->y / s->n;
     const double dx = x - shared.mean.x, dy = y - shared.mean.y, off_m = ax * dy - ay * dx;
     const double less = 1 + off_m * off_m * by_kernel2;
     const double weight =
         s->n * by_variance * point_weights_[static_cast<std::size_t>(s->keyframe)] / (less * less);
-    const double xx = s->xx * by_n - x * x, xy = s->xy * by_n - x * y, yy = s->yy * by_n - y * y;
+    const double xx = s->xx / s->n - x * x, xy = s->xy / s->n - x * y, yy = s->yy / s->n - y * y;
     const double spread2 = std::max(ax * ax * xx + 2 * ax * ay * xy + ay * ay * yy, 0.0),
                  rise = ax * ay * (yy - xx) + (ax * ax - ay * ay) * xy;
     const double along_m = ax * dx + ay * dy;
