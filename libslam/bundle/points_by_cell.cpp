@@ -135,13 +135,15 @@ void PointsByCell::findNear() {
 PointsByCell::Sums PointsByCell::around(const Cell& cell, int reach, const PointsInCell& first,
                                         double cell_m) const {
   Sums sums;
-  for (int row = -reach; row <= reach; ++row)
-    for (std::size_t i = cell.first_near[static_cast<std::size_t>(kReach + row)]; i < cells_.size(); ++i) {
+  for (int row = -reach; row <= reach; ++row) {
+    const int of_near = kReach + row;
+    for (std::size_t i = cell.first_near[static_cast<std::size_t>(of_near)]; i < cells_.size(); ++i) {
       const Cell& near = cells_[i];
       const std::int32_t column = near.column - cell.column;
       if (near.row != cell.row + row || column > reach) break;
       if (column >= -reach) addCell(near, first, column * cell_m, row * cell_m, sums);
     }
+  }
   return sums;
 }
 
