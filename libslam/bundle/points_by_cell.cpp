@@ -14,7 +14,7 @@ constexpr int kDigitBits = 12;
 
 /// Counts, so that equal ones stay in their order.
 template <class KeyOf>
-void PointsByCell::sortBy(const KeyOf& key_of) {
+void PointsByCell::sortBy(const KeyOf& key_of, std::vector<Place>& sorted) {
   std::int64_t least = std::numeric_limits<std::int64_t>::max(), most = least;
   if (!places_.empty()) most = least = key_of(places_.front());
   for (const Place& place : places_) {
@@ -35,9 +35,9 @@ void PointsByCell::sortBy(const KeyOf& key_of) {
       const std::uint32_t own = count;
       count = before, before += own;
     }
-    sorted_.resize(places_.size());
-    for (const Place& place : places_) sorted_[next[digitOf(place)]++] = place;
-    places_.swap(sorted_);
+    sorted.resize(places_.size());
+    for (const Place& place : places_) sorted[next[digitOf(place)]++] = place;
+    places_.swap(sorted);
   }
 }
 
@@ -46,8 +46,9 @@ void PointsByCell::sort() {
   places_.reserve(all_.size());
   for (std::size_t i = 0; i < all_.size(); ++i)
     if (all_[i].n > 0) places_.push_back({all_[i].row, all_[i].column, static_cast<std::uint32_t>(i)});
-  sortBy([](const Place& place) { return std::int64_t{place.column}; });
-  sortBy([](const Place& place) { return std::int64_t{place.row}; });
+  std::vector<Place> sorted;
+  sortBy([](const Place& place) { return std::int64_t{place.column}; }, sorted);
+  sortBy([](const Place& place) { return std::int64_t{place.row}; }, sorted);
 }
 
 void PointsByCell::sumUp() {

@@ -62,7 +62,6 @@ class PointsByCell {
     std::array<std::uint32_t, 2 * kReach + 1> first_near;
   };
 
-  void clear() { all_.clear(); }
   /// Keyframes come in ascending order.
   void add(const PointsInCell& points) { all_.push_back(points); }
   /// All that was added, and not been made part of others: may be moved to other cells until sumUp().
@@ -91,7 +90,7 @@ class PointsByCell {
   };
   void sort();
   template <class KeyOf>
-  void sortBy(const KeyOf& key_of);
+  void sortBy(const KeyOf& key_of, std::vector<Place>& sorted);
   static bool areInOneCell(const Place& a, const Place& b) { return a.row == b.row && a.column == b.column; }
   std::size_t sumUpKeyframe(std::size_t begin, std::size_t end, std::size_t to);
   void endCell(std::size_t begin, std::size_t end);
@@ -99,7 +98,7 @@ class PointsByCell {
   void addCell(const Cell& cell, const PointsInCell& first, double x_m, double y_m, Sums& sums) const;
 
   std::vector<PointsInCell> all_;  ///< those that are part of others have no points
-  std::vector<Place> places_, sorted_;
+  std::vector<Place> places_;
   std::vector<Cell> cells_;
   std::vector<Side> sides_;
 };

@@ -84,13 +84,12 @@ void SharedSurfaces::forEach(const Visit& visit) const {
       if (end > row) next = std::min(next, std::max(first, row));
     return next;
   };
-  PointsByCell points;
   Groups groups;
   std::int64_t row = std::numeric_limits<std::int64_t>::min() + kMargin;
   for (; nextWithPoints(row - kMargin) != kNone; row += kRowsOfBand) {
     // Walls may be moved to rows before those of points.
     row = std::max(row, nextWithPoints(row - kMargin) - kMargin);
-    points.clear();
+    PointsByCell points;
     collect({row - kMargin, row + kRowsOfBand + kMargin}, of_keyframes, points);
     points.sumUp();
     gatherWalls(points);
