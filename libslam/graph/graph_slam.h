@@ -218,6 +218,7 @@ class GraphSlam {
 
   // refine.cpp
   void refine(core::Progress& progress);
+  bool isRefined() const { return refined_ == std::pair(map_->size(), map_->revision()); }
 
   keyframes::GraphOptions options_;
   std::unique_ptr<keyframes::KeyframeMap>
@@ -232,7 +233,7 @@ class GraphSlam {
   core::Pose2 T_keyframe_robot_;
   core::Pose2 T_keyframe_hung_, T_odometry_;  ///< when it was hung on it; by odometry since then
   bool odometry_holds_ = true;                ///< since then
-  bool is_known_ground_ = false;              ///< under the scan at hand
+  bool is_known_ground_ = false;  ///< under the scan at hand
   LostDetector lost_;
   keyframes::Doubt doubt_;
   int explained_here_ = 0;  ///< scans, by the map of the part, since a doubt by that which was made meanwhile

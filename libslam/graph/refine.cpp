@@ -19,8 +19,7 @@ core::Pose2 movedBy(const core::Pose2& T, const Eigen::Vector3d& by) {
 /// All keyframes' poses are found together by what they saw of the same walls, see bundle::SurfaceBundle;
 /// what else was matched there goes with the map around.
 void GraphSlam::refine(core::Progress& progress) {
-  const std::pair as_it_is(map_->size(), map_->revision());
-  if (as_it_is == refined_) return;
+  if (isRefined()) return;
   progress.begin("fitting all scans");  // ended by whoever ends the finishing
   const bundle::SharedSurfaces shared(*map_);
   for (int round = 0; round < options_.refine_rounds; ++round) {

@@ -14,8 +14,9 @@ struct Inheritance {
     int keyframe;                  ///< that saw the surfaces first
     core::Symmetric3 information;  ///< of the match by them, as if points were independent
   };
-  /// Those that told most, kMostViews at most: with twice as many a map of 5400 keyframes takes twice the
-  /// time for its covariances, and 72 drives show no difference in how true they are.
+  /// Those that told most, kMostViews at most: what is left out counts as not known. With two, three, four
+  /// and eight of them the final poses of 20 drives have a median ANEES of 0.47, 0.63, 0.75 and 1.0, of 12 by
+  /// spinning lidars 0.79, 0.98, 1.1 and 1.3.
   std::vector<View> views;
   /// Times a view's information: the share of its error that is taken over.
   Eigen::Matrix3d gain = Eigen::Matrix3d::Zero();
@@ -24,7 +25,7 @@ struct Inheritance {
   /// What it sees itself errs by so many standard deviations of a point's noise: of a spinning lidar by more
   /// than one, since how the robot moved in its sweep is not known exactly.
   double points_err = 1;
-  static constexpr int kMostViews = 2;
+  static constexpr int kMostViews = 3;
 };
 
 }  // namespace slam::keyframes

@@ -173,14 +173,15 @@ std::vector<Pose2> TrackedPath::poses() const {
 }
 
 std::vector<Eigen::Matrix3d> TrackedPath::covariances() const {
-  return size() == 0 ? std::vector<Eigen::Matrix3d>{} : uncertainty::ErrorFlow(*map_).covariances();
+  return size() == 0 ? std::vector<Eigen::Matrix3d>{}
+                     : uncertainty::ErrorFlow(*map_, uncertainty::Poses::kTracked).covariances();
 }
 
 std::vector<Eigen::Matrix3d> TrackedPath::relativeCovariances(
     const std::vector<std::pair<uncertainty::HungScan, uncertainty::HungScan>>& scans) const {
   std::vector<Eigen::Matrix3d> result;
   if (scans.empty()) return result;
-  const uncertainty::RelativeError error(*map_);
+  const uncertainty::RelativeError error(*map_, uncertainty::Poses::kTracked);
   result.reserve(scans.size());
   for (const auto& [first, second] : scans) result.push_back(error.covariance(first, second));
   return result;

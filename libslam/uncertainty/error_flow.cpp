@@ -37,7 +37,7 @@ Matrix3d rootOfInformation(const Matrix3d& information) {
 
 }  // namespace
 
-ErrorFlow::ErrorFlow(const KeyframeMap& map) : poses_(map.graph().poses()) {
+ErrorFlow::ErrorFlow(const KeyframeMap& map, Poses poses) : poses_(map.graph().poses()), found_(poses) {
   numberUnknowns(map);
   analyse(map);
   fill(map);
@@ -48,12 +48,13 @@ ErrorFlow::ErrorFlow(const KeyframeMap& map) : poses_(map.graph().poses()) {
 /// Made one after the other, so that they are never all there at once.
 void ErrorFlow::forEachEquation(const KeyframeMap& map, const Use& use) const {
   for (int k = 0; k < map.size(); ++k) {
-    if (pose_[static_cast<size_t>(k)] >= 0) use(inherited(map, k));
+    if (pose_[static_cast<size_t>(k)] >= 0 && found_ == Poses::kTracked) use(inherited(map, k));
+    if (pose_[static_cast<size_t>(k)] >= 0 && found_ == Poses::kFitted) useMeasured(map, k, use);
     Equation noise{{}, Matrix3d::Identity()};
     addPart(noise, seen_first_[static_cast<size_t>(k)], Matrix3d::Identity());
     use(noise);
   }
-  for (const LoopEdge& one : map.loopEdges()) use(loop(map, one));
+  for (const LoopEdge& one : map.loopEdges()) use(way(map, map.graph().edges()[one.edge], one.share));
 }
 
 void ErrorFlow::numberUnknowns(const KeyframeMap& map) {
@@ -105,11 +106,28 @@ ErrorFlow::Equation ErrorFlow::inherited(const KeyframeMap& map, int k) const {
   return equation;
 }
 
-/// That the way between a loop's ends is as it was measured.
-ErrorFlow::Equation ErrorFlow::loop(const KeyframeMap& map, const LoopEdge& one) const {
-  const posegraph::Edge& edge = map.graph().edges()[one.edge];
+/// That odometry, and each view by itself, measure how a keyframe lies to others.
+void ErrorFlow::useMeasured(const KeyframeMap& map, int k, const Use& use) const {
+  const Inheritance& from = map.keyframe(k).inherited;
+  use(way(map, map.graph().edges()[static_cast<size_t>(map.keyframe(k).odometry_edge)], 1));
+  const double noise = std::sqrt(map.pointNoise().variance()), own = noise * from.points_err;
+  for (const auto& view : from.views) {
+    const core::Point2 here = position(map.pose(k)), there = position(map.pose(view.keyframe));
+    const Matrix3d J = moved(there, here), H = view.information.matrix(),
+                   root = rootOfInformation(J.transpose() * H * J);
+    const double of_view = noise * map.keyframe(view.keyframe).inherited.points_err;
+    Equation equation{{}, Matrix3d::Identity() / (own * own)};
+    addPart(equation, pose_[static_cast<size_t>(k)], root.transpose() * moved(here, there));
+    addPart(equation, pose_[static_cast<size_t>(view.keyframe)], -root.transpose());
+    addPart(equation, seen_first_[static_cast<size_t>(view.keyframe)], -of_view * Matrix3d::Identity());
+    use(equation);
+  }
+}
+
+/// That the way between an edge's ends is as it was measured.
+ErrorFlow::Equation ErrorFlow::way(const KeyframeMap& map, const posegraph::Edge& edge, double share) const {
   Equation equation;
-  equation.information = one.share * scanmatch::turned(edge.information, -map.pose(edge.to).phi);
+  equation.information = share * scanmatch::turned(edge.information, -map.pose(edge.to).phi);
   addPart(equation, pose_[static_cast<size_t>(edge.to)], Matrix3d::Identity());
   addPart(equation, pose_[static_cast<size_t>(edge.from)],
           -moved(position(map.pose(edge.from)), position(map.pose(edge.to))));

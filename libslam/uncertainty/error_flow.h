@@ -8,11 +8,16 @@
 
 namespace slam::uncertainty {
 
-/// How the errors of a map's keyframes hang together, by all that is known when this is made: each one's is
-/// what it has inherited, and something new (see keyframes::Inheritance). What a keyframe saw first lies in
-/// the map with its pose's error and the noise of its own points, which all that are matched to it share;
-/// what two such matches say of the keyframes before is counted as nothing, as a filter has no second
-/// thoughts. Loops are measurements of the way between their ends.
+/// How a map's poses were found. kTracked: each from those before it, as a filter has no second thoughts.
+/// kFitted: together, from all that was seen, see bundle::SurfaceBundle.
+enum class Poses { kTracked, kFitted };
+
+/// How the errors of a map's keyframes hang together, by all that is known when this is made. Of poses that
+/// were tracked each one's is what it has inherited, and something new (see keyframes::Inheritance). What a
+/// keyframe saw first lies in the map with its pose's error and the noise of its own points, which all that
+/// are matched to it share; what two such matches say of the keyframes before is counted as nothing. Loops
+/// are measurements of the way between their ends. Of poses that were fitted those matches are measurements,
+/// too, each view for itself, and so are odometry's steps: what comes later makes sure of what was before.
 ///
 /// So the errors are a sparse linear system, of two unknowns a keyframe: its pose, and the noise of what it
 /// saw first. Cost: one factorisation; memory: some kB a keyframe. A snapshot: later changes of the map do
@@ -21,7 +26,7 @@ namespace slam::uncertainty {
 class ErrorFlow {
  public:
   /// Errors: MethodError when rounding leaves no factor.
-  explicit ErrorFlow(const keyframes::KeyframeMap& map);
+  ErrorFlow(const keyframes::KeyframeMap& map, Poses poses);
   /// Of each keyframe's x, y (m) and phi (rad) in the map; zero for the first.
   std::vector<Eigen::Matrix3d> covariances() const;
   /// Of b's pose in a's frame. Cost: two chains of an elimination tree.
@@ -40,13 +45,15 @@ class ErrorFlow {
   using Use = std::function<void(const Equation&)>;
   void numberUnknowns(const keyframes::KeyframeMap& map);
   Equation inherited(const keyframes::KeyframeMap& map, int k) const;
-  Equation loop(const keyframes::KeyframeMap& map, const keyframes::LoopEdge& one) const;
+  Equation way(const keyframes::KeyframeMap& map, const posegraph::Edge& edge, double share) const;
+  void useMeasured(const keyframes::KeyframeMap& map, int k, const Use& use) const;
   void forEachEquation(const keyframes::KeyframeMap& map, const Use& use) const;
   void analyse(const keyframes::KeyframeMap& map);
   void fill(const keyframes::KeyframeMap& map);
   static void addPart(Equation& equation, int unknown, const Eigen::Matrix3d& factor);
 
   std::vector<core::Pose2> poses_;
+  Poses found_;
   std::vector<int> pose_, seen_first_;  ///< unknown of each keyframe; -1: none
   int unknowns_ = 0;
   sparse::BlockCholesky cholesky_;

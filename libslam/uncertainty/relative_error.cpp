@@ -3,7 +3,6 @@
 #include "libslam/core/elementary.h"
 #include "libslam/keyframes/matching.h"
 #include "libslam/scanmatch/information.h"
-#include "libslam/uncertainty/error_flow.h"
 
 namespace slam::uncertainty {
 namespace {
@@ -18,8 +17,8 @@ Eigen::Matrix3d moves(double x, double y, double phi) {
 
 }  // namespace
 
-RelativeError::RelativeError(const keyframes::KeyframeMap& map)
-    : map_(map), flow_(std::make_shared<const ErrorFlow>(map)) {}
+RelativeError::RelativeError(const keyframes::KeyframeMap& map, Poses poses)
+    : map_(map), flow_(std::make_shared<const ErrorFlow>(map, poses)) {}
 
 Eigen::Matrix3d RelativeError::covariance(const HungScan& a, const HungScan& b) const {
   const core::Pose2 T_map_a = map_.pose(a.keyframe) * a.T_keyframe_robot,

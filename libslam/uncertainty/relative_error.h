@@ -4,10 +4,9 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/keyframes/keyframe_map.h"
+#include "libslam/uncertainty/error_flow.h"
 
 namespace slam::uncertainty {
-
-class ErrorFlow;
 
 /// A scan by the keyframe that it hangs on.
 struct HungScan {
@@ -21,7 +20,7 @@ struct HungScan {
 class RelativeError {
  public:
   /// REQUIRES a keyframe. The map has to outlive this, and its poses to stay.
-  explicit RelativeError(const keyframes::KeyframeMap& map);
+  RelativeError(const keyframes::KeyframeMap& map, Poses poses);
   /// Covariance of x (m), y (m), phi (rad) of b's pose in a's frame. Cost: two chains of an elimination tree.
   Eigen::Matrix3d covariance(const HungScan& a, const HungScan& b) const;
 

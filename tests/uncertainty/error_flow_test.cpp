@@ -53,8 +53,12 @@ struct Pile {
     map.keyframes().back().odometry_edge = map.graph().addEdge(edge);
     return k;
   }
-  double x(int k) const { return ErrorFlow(map).covariances()[static_cast<size_t>(k)](0, 0); }
-  double between(int a, int b) const { return ErrorFlow(map).relative(a, b)(0, 0); }
+  double x(int k, Poses poses = Poses::kTracked) const {
+    return ErrorFlow(map, poses).covariances()[static_cast<size_t>(k)](0, 0);
+  }
+  double between(int a, int b, Poses poses = Poses::kTracked) const {
+    return ErrorFlow(map, poses).relative(a, b)(0, 0);
+  }
 };
 
 const Matrix3d kHundred = diagonal(100, 100, 100), kOwn = diagonal(0.002, 0.002, 0.002);
@@ -126,7 +130,7 @@ TEST(ErrorFlow, AlongAnOpenDirectionTheStepsErrorsAddUp) {
     inherited.gain = diagonal(0, 0.01, 0.01);
     corridor.add(inherited);
   }
-  const auto covariance = ErrorFlow(corridor.map).covariances()[4];
+  const auto covariance = ErrorFlow(corridor.map, Poses::kTracked).covariances()[4];
   EXPECT_NEAR(covariance(0, 0), 4 * 0.04, 1e-9);
   EXPECT_NEAR(covariance(1, 1), 0.01 + 0.002, 1e-9);
 }
@@ -213,9 +217,15 @@ struct Wanderer : Pile {
   }
 };
 
+void expectAlike(const Matrix3d& drawn, const Matrix3d& expected) {
+  const Matrix3d L = expected.llt().matrixL();
+  const Matrix3d alike = L.inverse() * drawn * L.inverse().transpose();
+  EXPECT_LT((alike - Matrix3d::Identity()).cwiseAbs().maxCoeff(), 0.08) << drawn << "\n" << expected;
+}
+
 TEST(ErrorFlow, IsTheSpreadOfErrorsDrawnByItsRule) {
   const Wanderer wanderer;
-  const ErrorFlow flow(wanderer.map);
+  const ErrorFlow flow(wanderer.map, Poses::kTracked);
   const auto told = flow.covariances();
   core::RandomStream random(5, "errors");
   constexpr int kDraws = 5000;
@@ -233,13 +243,91 @@ TEST(ErrorFlow, IsTheSpreadOfErrorsDrawnByItsRule) {
     const Vector3d change = 1e4 * Vector3d(to.x - from.x, to.y - from.y, to.phi - from.phi);
     apart += change * change.transpose() / kDraws;
   }
-  const auto expectAlike = [](const Matrix3d& drawn, const Matrix3d& expected) {
-    const Matrix3d L = expected.llt().matrixL();
-    const Matrix3d alike = L.inverse() * drawn * L.inverse().transpose();
-    EXPECT_LT((alike - Matrix3d::Identity()).cwiseAbs().maxCoeff(), 0.08) << drawn << "\n" << expected;
-  };
   for (const size_t k : {1U, 4U, 8U}) expectAlike(spread[k], told[k]);
   expectAlike(apart, flow.relative(2, 7));
+}
+
+// A match of a view to a keyframe errs by both views' noise, and has odometry beside it.
+TEST(ErrorFlow, OfFittedPosesMatchesAreMeasurements) {
+  Pile pile;
+  pile.add({});
+  pile.add(matchedTo({{0, kHundred}}, kOwn));
+  EXPECT_NEAR(pile.x(1, Poses::kFitted), 1 / (1 / 0.02 + 100), 1e-9);
+  pile.map.keyframes()[0].inherited.points_err = 3;
+  EXPECT_NEAR(pile.x(1, Poses::kFitted), 1 / (1 / 0.1 + 100), 1e-9) << "of a spinning lidar's view";
+  pile.map.keyframes()[1].inherited.points_err = 2;
+  EXPECT_NEAR(pile.x(1, Poses::kFitted), 1 / (1 / 0.13 + 100), 1e-9) << "of both views";
+}
+
+TEST(ErrorFlow, OfFittedPosesWhoIsMatchedToTwoViewsMakesThemSurer) {
+  Pile pile;
+  pile.add({});
+  pile.add(matchedTo({{0, kHundred}}, kOwn));
+  const double before = pile.between(0, 1, Poses::kFitted);
+  for (int i = 0; i < 10; ++i) pile.add(matchedTo({{0, kHundred}, {1, kHundred}}, kOwn));
+  EXPECT_LT(pile.between(0, 1, Poses::kFitted), 0.9 * before);
+  // Each lies where it saw the walls, which errs by its own points however often they are seen.
+  EXPECT_GT(pile.between(0, 1, Poses::kFitted), 0.4 * before);
+}
+
+TEST(ErrorFlow, OfFittedPosesTheNoiseIsThatWhichResidualsTell) {
+  Pile pile;
+  pile.add({});
+  pile.add(matchedTo({{0, kHundred}}, kOwn));
+  scanmatch::MatchEvidence scan;
+  scan.squared = 400, scan.dimensions = 100;
+  pile.map.pointNoise().add(scan);
+  EXPECT_NEAR(pile.x(1, Poses::kFitted), 1 / (1 / 0.08 + 100), 1e-9);
+}
+
+TEST(ErrorFlow, OfFittedPosesLoopsAreMeasurementsToo) {
+  Pile pile;
+  pile.add({});
+  for (int k = 1; k <= 3; ++k) pile.add({});
+  posegraph::Edge loop;
+  loop.from = 0, loop.to = 3, loop.kind = posegraph::EdgeKind::kLoop;
+  loop.information = kInformationScale * kHundred;
+  pile.map.addLoop({loop});
+  EXPECT_NEAR(pile.x(3, Poses::kFitted), 1 / (1 / 0.03 + 1 / 0.02), 1e-9);
+}
+
+/// Of a map's errors: x, y (m) and phi (rad) of all poses, then the noise of what each saw first. Dense.
+Eigen::MatrixXd informationOf(const KeyframeMap& map) {
+  const int n = map.size();
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(6 * n, 6 * n);
+  using Parts = std::vector<std::pair<int, Matrix3d>>;
+  const auto measure = [&all](const Parts& parts) {
+    for (const auto& [i, J] : parts)
+      for (const auto& [j, K] : parts) all.block<3, 3>(3 * i, 3 * j) += J.transpose() * K;
+  };
+  measure({{0, 1e6 * Matrix3d::Identity()}});
+  for (int k = 0; k < n; ++k) measure({{n + k, Matrix3d::Identity()}});
+  for (int k = 1; k < n; ++k) {
+    const auto movedFrom = [&](int from) {
+      return moved(core::position(map.pose(from)), core::position(map.pose(k)));
+    };
+    const auto& edge = map.graph().edges()[static_cast<size_t>(map.keyframe(k).odometry_edge)];
+    const Matrix3d step = scanmatch::rootOf(scanmatch::turned(edge.information, -map.pose(k).phi));
+    measure({{k, step}, {edge.from, -step * movedFrom(edge.from)}});
+    for (const auto& view : map.keyframe(k).inherited.views) {
+      const Matrix3d J = movedFrom(view.keyframe), of_view = J.transpose() * view.information.matrix() * J;
+      const double length_m = std::sqrt(2 * of_view(2, 2) / of_view.topLeftCorner<2, 2>().trace());
+      const Matrix3d unit = diagonal(1, 1, 1 / length_m), back = diagonal(1, 1, length_m),
+                     root = (back * scanmatch::rootOf(unit * of_view * unit)).transpose();
+      measure({{k, root * J.inverse()}, {view.keyframe, -root}, {n + view.keyframe, -Matrix3d::Identity()}});
+    }
+  }
+  return all;
+}
+
+TEST(ErrorFlow, OfFittedPosesIsThatOfLeastSquares) {
+  const Wanderer wanderer;
+  const auto told = ErrorFlow(wanderer.map, Poses::kFitted).covariances();
+  const Eigen::MatrixXd covariance = informationOf(wanderer.map).inverse();
+  for (const int k : {1, 4, 8}) {
+    const Matrix3d expected = covariance.block<3, 3>(3 * k, 3 * k);
+    EXPECT_LT((told[static_cast<size_t>(k)] - expected).norm(), 1e-4 * expected.norm()) << k;
+  }
 }
 
 }  // namespace

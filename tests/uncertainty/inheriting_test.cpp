@@ -22,10 +22,11 @@ TEST(Inheriting, KeepsTheViewsThatToldMostAndAddsUpFromScanToScan) {
   Inheriting inheriting;
   inheriting.carryOn(match, still, odometry);
   const auto once = inheriting.of(evidence);
-  ASSERT_EQ(once.views.size(), 2U);
+  ASSERT_EQ(once.views.size(), 3U);
   EXPECT_EQ(once.views[0].keyframe, 2);
   EXPECT_EQ(once.views[0].information.matrix()(1, 1), 0) << "nothing is known less than not at all";
   EXPECT_EQ(once.views[1].keyframe, 3) << "of equals the first";
+  EXPECT_EQ(once.views[2].keyframe, 7);
   EXPECT_NEAR(once.own.matrix()(0, 0), 0.25 * 0.04 + 0.002, 1e-12);
   EXPECT_NEAR(once.gain(0, 0), 0.1, 1e-12);
   inheriting.carryOn(match, still, odometry);

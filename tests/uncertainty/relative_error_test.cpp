@@ -24,7 +24,7 @@ keyframes::KeyframeMap row() {
 TEST(RelativeError, OfScansOnOneKeyframeIsThatOfTheirOwnMatches) {
   const auto map = row();
   const HungScan a{1, {0, 0, 0}, Matrix3d::Zero()}, b{1, {0.2, 0, 0}, diagonal(1e-4, 0, 0)};
-  const Matrix3d covariance = RelativeError(map).covariance(a, b);
+  const Matrix3d covariance = RelativeError(map, Poses::kTracked).covariance(a, b);
   EXPECT_NEAR(covariance(0, 0), 3e-4, 1e-12) << "both matches, and what was driven since";
   EXPECT_NEAR(covariance(1, 1), 2e-4 + 0.2 * 0.2 * 1e-6, 1e-12) << "the first one's turn shows at the second";
   EXPECT_NEAR(covariance(2, 2), 2e-6, 1e-12);
@@ -33,7 +33,8 @@ TEST(RelativeError, OfScansOnOneKeyframeIsThatOfTheirOwnMatches) {
 TEST(RelativeError, OfScansOnTwoKeyframesIsTheKeyframesAndWhatWasDrivenSince) {
   const auto map = row();
   const HungScan a{0, {0, 0, 0}, Matrix3d::Zero()}, b{2, {0, 0, 0}, diagonal(1e-3, 0, 0)};
-  const Matrix3d covariance = RelativeError(map).covariance(a, b), keyframes = ErrorFlow(map).relative(0, 2);
+  const Matrix3d covariance = RelativeError(map, Poses::kTracked).covariance(a, b),
+                 keyframes = ErrorFlow(map, Poses::kTracked).relative(0, 2);
   EXPECT_NEAR(covariance(0, 0), keyframes(0, 0) + 1e-3, 1e-12);
   EXPECT_NEAR(covariance(1, 1), keyframes(1, 1), 1e-12);
   EXPECT_NEAR(keyframes(1, 1), 2 * 0.01 + 1e-4, 1e-12) << "two steps, and the first one's turn a metre on";
