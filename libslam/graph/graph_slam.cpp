@@ -55,6 +55,7 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& given, const Pose2& T_prev
     Eigen::Matrix3d information;
     const Pose2 increment = has_odometry ? motion().corrected(T_previous_robot) : motion().step();
     const Pose2 T_before = currentPose();
+    if (has_odometry) T_wheels_ = T_wheels_ * T_previous_robot;
     step = track(scan, increment, has_odometry, points, information);
     const Pose2 matched = core::between(T_before, step.T_map_robot);
     const keyframes::Break seam = breakBefore(scan, points, T_before, increment, matched, has_odometry);
@@ -120,7 +121,15 @@ int GraphSlam::addOdometryEdge(int k) {
   edge.information = scanmatch::poseInformation(
       factor * (options_.odometry_xy_m + options_.odometry_xy_per_m * move_m),
       factor * (options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad));
-  return map_->graph().addEdge(edge);
+  const int added = map_->graph().addEdge(edge);
+  if (odometry_holds_) by_wheels_.push_back({added, T_keyframe_hung_, T_wheels_});
+  return added;
+}
+
+/// By all that the drive has shown of the wheels: what was driven before anything was learnt of them, too.
+void GraphSlam::setOdometryRight() {
+  for (const auto& [edge, T_keyframe_hung, T_wheels] : by_wheels_)
+    map_->graph().setMeasurement(edge, T_keyframe_hung * motion().corrected(T_wheels));
 }
 
 void GraphSlam::addKeyframe(const lidar::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
@@ -143,7 +152,7 @@ void GraphSlam::addKeyframe(const lidar::Scan& scan, std::vector<PatchPoint> poi
   }
   anchor_ = k;
   uncertainty_.beginKeyframe(k);
-  T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = {};
+  T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = T_wheels_ = {};
   odometry_holds_ = true;
   if (options_.loops && k > 0)
     if (const auto accepted = loops_.closeLoops()) noteLoop(*accepted);
@@ -170,6 +179,7 @@ void GraphSlam::finish(core::Progress& progress) {
         static_cast<int>(first_new - map_->keyframes().begin()), [this] { haveMoved(); }, progress);
   // What was known before stays as it is when nothing came to it.
   const bool has_come = first_new != map_->keyframes().end();
+  setOdometryRight();
   if (has_come && loops_.closeRest()) haveMoved();
   noteWhatStaysApart();
   if (has_come && options_.refine_rounds > 0) refine(progress);

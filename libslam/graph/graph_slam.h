@@ -152,6 +152,7 @@ class GraphSlam {
   void addKeyframe(const lidar::Scan& scan, Points points, const core::Pose2& T_map_robot,
                    const Eigen::Matrix3d& information);
   int addOdometryEdge(int keyframe);
+  void setOdometryRight();
   core::Pose2 currentPose() const;
   // passes.cpp: what a keyframe measures of others
   void addMatchEdges(int keyframe, const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
@@ -232,7 +233,14 @@ class GraphSlam {
   int anchor_ = 0;  ///< the keyframe that the robot hangs on: the last, or one of known ground
   core::Pose2 T_keyframe_robot_;
   core::Pose2 T_keyframe_hung_, T_odometry_;  ///< when it was hung on it; by odometry since then
+  core::Pose2 T_wheels_;                      ///< since then, as odometry said it
   bool odometry_holds_ = true;                ///< since then
+  /// A way between keyframes of which all is odometry's since the robot was hung on the first.
+  struct ByWheels {
+    int edge;
+    core::Pose2 T_keyframe_hung, T_wheels;
+  };
+  std::vector<ByWheels> by_wheels_;
   bool is_known_ground_ = false;  ///< under the scan at hand
   LostDetector lost_;
   keyframes::Doubt doubt_;

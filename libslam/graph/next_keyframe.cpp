@@ -52,6 +52,7 @@ void GraphSlam::hangOn(int k, const Pose2& T_map_robot) {
   anchor_ = k;
   T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = core::between(map_->pose(k), T_map_robot);
   odometry_holds_ = true;
+  T_wheels_ = {};
   uncertainty_.hangOnKeyframe();
   setMapHere();
 }
