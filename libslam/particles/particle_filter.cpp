@@ -69,11 +69,17 @@ void ParticleFilter::start(const core::Pose2& T_map_robot,
   beginPast(options_.loops && !map_is_known_);
 }
 
+/// Where the scan enters no map it weighs no particle: the best one's motion does for the others.
 void ParticleFilter::matchAll(const std::vector<SurfacePoint>& points, const Guidance& guidance) {
+  const bool is_news = mapping_ && isNews(guidance.match.T_map_robot);
   team_.forEach(particles_.size(), [&](size_t i) {
     Particle& particle = particles_[i];
     const PosePrior prior{particle.T_raster_robot * guidance.expected,
                           rotated(guidance.information, particle.T_raster_robot.phi)};
+    if (i != best_ && !is_news) {
+      particle.T_raster_robot = particle.T_raster_robot * guidance.moved;
+      return;
+    }
     particle.match =
         i == best_ ? guidance.match
                    : scanmatch::alignToField(points, particle.grid, particle.T_raster_robot * guidance.moved,
@@ -81,6 +87,13 @@ void ParticleFilter::matchAll(const std::vector<SurfacePoint>& points, const Gui
     particle.information = particle.match.information + prior.information;
     particle.T_raster_robot = particle.match.T_map_robot;
   });
+}
+
+/// Whether a scan at this pose enters the maps.
+bool ParticleFilter::isNews(const core::Pose2& T_raster_robot) const {
+  return step_.score < options_.insert_score ||
+         core::distance(T_raster_robot, T_inserted_) > options_.insert_distance_m ||
+         std::abs(core::angleDifference(T_raster_robot.phi, T_inserted_.phi)) > options_.insert_angle_rad;
 }
 
 /// By the odometry alone; without any, nowhere.
@@ -240,10 +253,7 @@ const ParticleStep& ParticleFilter::update(const lidar::Scan& given, const std::
   const bool restarted = drawsOn();
   const core::Pose2 T = particles_[best_].T_raster_robot;
   past_->nextScan(core::distance(T_before, T));
-  const bool is_news = step_.score < options_.insert_score ||
-                       core::distance(T, T_inserted_) > options_.insert_distance_m ||
-                       std::abs(core::angleDifference(T.phi, T_inserted_.phi)) > options_.insert_angle_rad;
-  step_.inserted = mapping_ && (is_first || restarted || (!lost_ && is_news));
+  step_.inserted = mapping_ && (is_first || restarted || (!lost_ && isNews(T)));
   if (step_.inserted) insert(others, !is_first && !restarted);
   for (Particle& particle : particles_)
     particle.leaf = paths_.extend(particle.leaf, {scan.time_s, particle.T_raster_robot});

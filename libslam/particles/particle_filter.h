@@ -77,11 +77,11 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 /// A Rao-Blackwellised particle filter: every particle is a path and the map that it implies (Grisetti,
 /// Stachniss and Burgard, IEEE T-RO 23(1), 2007). What is different here:
 /// - The map is a gridmap::Grid, so that particles share what they have in common, and scans are matched to
-///   it by scanmatch::alignToField. A single scan is matched in microseconds, so every scan is.
+///   it by scanmatch::alignToField. That takes microseconds, so every scan is matched.
 /// - Proposals are drawn when a scan enters the map, from the Gaussian of matcher and odometry together
 ///   (there from samples around the peak), and weighted by the integral over it in Laplace's approximation.
-///   Between two insertions every particle stays at its peak: such scans say the same again, and drawing
-///   would add noise only.
+///   Between two insertions such scans say the same again: the best particle alone is matched, and the others
+///   go with it.
 /// - One particle, the best, looks where the motion leads: at the odometry's word, the motion before, the
 ///   odometry reversed, and turned by some degrees; and all around, when none of these explains the scan. The
 ///   others start from its motion. Odometry that is clearly worse than another start is distrusted at that
@@ -208,6 +208,7 @@ class ParticleFilter {
   bool drawsOn();
   void reachFarther(const lidar::Scan& scan);
   void findPlace(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
+  bool isNews(const core::Pose2& T_raster_robot) const;
   void matchAll(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance);
   void moveAll(const std::optional<Motion>& motion);
   void insert(const std::vector<lidar::Scan>& others, bool is_matched);

@@ -50,6 +50,30 @@ TEST(ParticleFilter, GivesTheSameBytesWithAnyNumberOfThreads) {
   }
 }
 
+// What weighs no particle need not be matched to thirty maps.
+TEST(ParticleFilter, BetweenInsertionsAllParticlesGoWithTheBest) {
+  const auto goApart = [](bool mapping) {
+    ParticleFilter filter(options(), 1);
+    int together = 0, apart = 0;
+    for (size_t i = 0; i < 100; ++i) {
+      filter.setMapping(mapping || i < 60);
+      const auto before = filter.poses();
+      const auto& step = filter.update(ring().scans[i], motionOf(ring().wheels[i]));
+      if (step.inserted || step.lost) continue;
+      const core::Pose2 went = core::between(before[0], filter.poses()[0]);
+      for (size_t k = 1; k < before.size(); ++k) {
+        const core::Pose2 of_k = core::between(before[k], filter.poses()[k]);
+        const bool is_same = core::distance(of_k, went) < 1e-9 && std::abs(of_k.phi - went.phi) < 1e-9;
+        ++(is_same ? together : apart);
+      }
+    }
+    EXPECT_GT(together, 300);
+    return apart;
+  };
+  EXPECT_EQ(goApart(true), 0);
+  EXPECT_EQ(goApart(false), 0) << "in a finished map";
+}
+
 TEST(ParticleFilter, TheFirstScanIsTheOriginOfTheMap) {
   ParticleFilter filter(options(), 1);
   const auto& step = filter.update(ring().scans[0], motionOf({5, 5, 1}));
