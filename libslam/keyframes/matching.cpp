@@ -52,7 +52,7 @@ Eigen::Matrix3d toldInformation(const scanmatch::MatchEvidence& evidence) {
 
 Eigen::Matrix3d toldInformation(const std::vector<PatchPoint>& points, const scanmatch::SurfelMap& map,
                                 const Pose2& T_map_robot) {
-  return toldInformation(evidenceOf(points, map, T_map_robot, kKernel));
+  return toldInformation(evidenceOf(points, map, T_map_robot, kKernel, scanmatch::Walls::kFacing));
 }
 
 double distinctness(const std::vector<PatchPoint>& points, const LevelMaps& maps,

@@ -85,7 +85,7 @@ MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMa
 }
 
 MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap& map, const core::Pose2& T,
-                         double kernel) {
+                         double kernel, Walls walls) {
   MatchEvidence evidence;
   const AtPose at_pose(map, T, kernel);
   std::array<double, MatchEvidence::kLags> before{};  // the newest first
@@ -99,7 +99,7 @@ MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap&
   for (const auto& point : points) {
     const Beside b = at_pose.beside(point);
     double residual = 0;
-    if (const Surfel* surfel = b.surfel) {
+    if (const Surfel* surfel = b.surfel; surfel && (b.share == 1 || walls == Walls::kAll)) {
       const int view = map.firstViewOf(*surfel);
       if (last == told.size() || told[last].view != view) {
         last = 0;

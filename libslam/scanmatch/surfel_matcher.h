@@ -49,8 +49,12 @@ struct MatchEvidence {
   std::array<double, kLags> lagged{};
   Eigen::Matrix3d information() const;  ///< by all views
 };
+/// kFacing: a wall of which the map knows the other side alone tells nothing. By how much its points are off,
+/// the wall's thickness, is the same for all, so that many of them are no surer than one; beside other walls
+/// they count for little, but where there are no others they would be believed.
+enum class Walls { kAll, kFacing };
 MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap& map,
-                         const core::Pose2& T_map_robot, double kernel);
+                         const core::Pose2& T_map_robot, double kernel, Walls walls = Walls::kAll);
 
 /// The score at a pose, without any alignment; over every `stride`-th point. Points outside of the map's
 /// window are not held against the pose, as long as a quarter of all lies inside. A score that cannot be

@@ -124,6 +124,24 @@ TEST(SurfelMatcher, IsNotPulledIntoAThinWallByItsOtherFace) {
   EXPECT_GT(std::abs(fused.T_map_robot.x - truth.x), 0.02) << "nothing to tell: the test is void";
 }
 
+// All points on it are off by its thickness alike: however many there are, they do not tell how far off.
+TEST(SurfelMatcher, AWallThatWasSeenFromBehindAloneIsNoEvidence) {
+  core::RandomStream chance(9, "query");
+  SurfelMap map(0.1, 0.03, true);
+  map.clear({}, 30);
+  for (const auto& pose : aFewPosesAround(-2))
+    map.add(patchPoints(look(rectangle(-4, -3, -0.06, 3), pose, {}, chance), {}), pose);
+  const core::Pose2 outside{1.5, 0.3, core::kPi}, inside{-1.5, 0.3, 0};
+  const std::vector<Wall> from_behind{{{0.06, -3}, {0.06, 3}}}, from_within{{{-0.06, -3}, {-0.06, 3}}};
+  const auto evidenceAt = [&](const std::vector<Wall>& wall, const core::Pose2& T) {
+    return evidenceOf(patchPoints(look(wall, T, {}, chance), {}), map, T, 4, Walls::kFacing);
+  };
+  const auto behind = evidenceAt(from_behind, outside), within = evidenceAt(from_within, inside);
+  EXPECT_GT(within.information()(0, 0), 1e4);
+  EXPECT_LT(behind.information().norm(), 1e-2 * within.information().norm());
+  EXPECT_LT(behind.dimensions, 0.1 * within.dimensions) << "nor of how points err";
+}
+
 TEST(SurfelMatcher, AWallThatWasSeenFromBehindAlonePullsLittle) {
   // Of the right room the far wall is known, and of the wall between the rooms the left one's side.
   core::RandomStream chance(9, "query");
