@@ -121,17 +121,20 @@ Tracker::Match Tracker::match(const lidar::Scan& scan, const std::vector<PatchPo
   return {result, is_dropped};
 }
 
-/// While a match turns far from odometry's heading it may slide along what holds it least, until odometry's
-/// place lets go. Where the found heading explains as much there, the robot is there.
+/// A match that turns from odometry's heading may slide along what holds it least, until odometry's place
+/// lets go; and two scans along a corridor do not tell how far the robot went. Where the found heading
+/// explains as much at odometry's place, the robot is there.
 void Tracker::stayWithWheels(const std::vector<PatchPoint>& points, const Expected& e,
                              MatchResult& result) const {
   const auto [T_step, sigma_xy, sigma_turn] = e.step;
   const Pose2& T = result.T_map_robot;
-  if (core::distance(T, e.predicted) <= kLetGo * sigma_xy ||
-      std::abs(core::angleDifference(T.phi, e.predicted.phi)) <= kLetGo * sigma_turn)
-    return;
+  if (core::distance(T, e.predicted) <= kLetGo * sigma_xy) return;
+  // Along an arc the chord turns by half of what the heading does.
+  const Pose2 by_half{e.T_before.x, e.T_before.y,
+                      e.T_before.phi + core::angleDifference(T.phi, e.predicted.phi) / 2};
   PosePrior there;
-  there.mean = {e.predicted.x, e.predicted.y, T.phi};
+  there.mean = by_half * T_step;
+  there.mean.phi = T.phi;
   there.information = scanmatch::poseInformation(sigma_xy, looseTurn(sigma_turn));
   const MatchResult other = keyframes::match(points, around_.maps(), there.mean, there, 0, true);
   if (isBetter(other, result, -kStartGain, points, e)) result = other;

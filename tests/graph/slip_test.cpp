@@ -98,7 +98,6 @@ std::vector<Wall> crossing() {
   return walls;
 }
 
-// The map of the first scans holds little. It has to grow although wheels are wrong.
 // A scan that has to be turned back by so much slides along the corridor meanwhile, and a door is like the
 // next.
 TEST(Slip, OfATurnDoesNotMoveTheRobotAlongACorridor) {
@@ -113,6 +112,7 @@ TEST(Slip, OfATurnDoesNotMoveTheRobotAlongACorridor) {
   }
 }
 
+// The map of the first scans holds little. It has to grow although wheels are wrong.
 TEST(Slip, InTheFirstScansLeavesTheMapToGrow) {
   Lidar lidar;
   lidar.beams = 81, lidar.fov_rad = 4.2, lidar.max_range_m = 30;

@@ -112,6 +112,35 @@ TEST(Tracker, TurnsAsFarAsWheelsHaveMissedTurnsBefore) {
   EXPECT_LT(metresOff(match, T_step), 0.02);
 }
 
+// Along a corridor with a post like the next two scans tell how the robot turned, but not how far it went.
+TEST(Tracker, WhereWheelsMissATurnTheirMetresHoldAlongACorridor) {
+  constexpr double kApart_m = 1.3;
+  std::vector<scanmatch_test::Wall> walls = {{{-100, 1}, {100, 1}}, {{-100, 3}, {100, 3}}};
+  for (int i = -20; i < 20; ++i) {
+    const auto post = rectangle(kApart_m * i, 1, kApart_m * i + 0.2, 1.15);
+    walls.insert(walls.end(), post.begin(), post.end());
+  }
+  const Pose2 T_step{1.1, 0, -0.3};
+  for (const double missed_rad : {-0.5, -0.45, -0.4, -0.35, -0.3, 0.3, 0.35, 0.4, 0.45, 0.5}) {
+    Room room(walls);
+    Motion& motion = room.tracker.motion();
+    for (int i = 0; i < 200; ++i) motion.learn({0.1, 0, 0.6}, {0.1, 0, i % 2 == 0 ? 0.8 : 0.4}, 1, 1, true);
+    // Along an arc the chord turns by half.
+    const Pose2 T_odometry{1.1 * std::cos(missed_rad / 2), 1.1 * std::sin(missed_rad / 2),
+                           T_step.phi + missed_rad};
+    // What was seen from a post farther on.
+    const auto first = room.look({kHere.x + kApart_m, kHere.y, kHere.phi}, 0),
+               second = room.look(kHere * T_step, 0.2);
+    motion.begin(first, {}, true);
+    motion.end(first);
+    motion.begin(second, T_odometry, true);
+    const auto points = keyframes::pointsOf(second, room.map.options());
+    const auto match = room.tracker.match(second, points, room.tracker.expect(kHere, T_odometry, true));
+    EXPECT_LT(turnOff(match, T_step), 0.02) << missed_rad;
+    EXPECT_LT(metresOff(match, T_step), 0.3) << missed_rad;
+  }
+}
+
 TEST(Tracker, FindsMetresThatAreCountedTheOtherWay) {
   Room room;
   const Pose2 T_step{-0.5, 0, 0};
