@@ -15,8 +15,6 @@
 
 namespace slam::particles {
 
-using scanmatch::FieldMatch;
-using scanmatch::FieldMatchOptions;
 using scanmatch::PosePrior;
 using scanmatch::SurfacePoint;
 

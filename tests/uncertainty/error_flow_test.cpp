@@ -151,6 +151,7 @@ TEST(ErrorFlow, ViewsErrByTheNoiseThatResidualsTell) {
   scan.squared = 400, scan.dimensions = 100;
   pile.map.pointNoise().add(scan);
   EXPECT_NEAR(pile.x(1), 4 * 0.01 + 0.002, 1e-9);
+  EXPECT_NEAR(pile.x(1, Poses::kFitted), 1 / (1 / 0.08 + 100), 1e-9) << "of both views, and odometry";
 }
 
 TEST(ErrorFlow, WhatASpinningLidarSawErrsByMore) {
@@ -270,16 +271,6 @@ TEST(ErrorFlow, OfFittedPosesWhoIsMatchedToTwoViewsMakesThemSurer) {
   EXPECT_GT(pile.between(0, 1, Poses::kFitted), 0.4 * before);
 }
 
-TEST(ErrorFlow, OfFittedPosesTheNoiseIsThatWhichResidualsTell) {
-  Pile pile;
-  pile.add({});
-  pile.add(matchedTo({{0, kHundred}}, kOwn));
-  scanmatch::MatchEvidence scan;
-  scan.squared = 400, scan.dimensions = 100;
-  pile.map.pointNoise().add(scan);
-  EXPECT_NEAR(pile.x(1, Poses::kFitted), 1 / (1 / 0.08 + 100), 1e-9);
-}
-
 TEST(ErrorFlow, OfFittedPosesLoopsAreMeasurementsToo) {
   Pile pile;
   pile.add({});
@@ -293,15 +284,15 @@ TEST(ErrorFlow, OfFittedPosesLoopsAreMeasurementsToo) {
 
 /// Of a map's errors: x, y (m) and phi (rad) of all poses, then the noise of what each saw first. Dense.
 Eigen::MatrixXd informationOf(const KeyframeMap& map) {
-  const int n = map.size();
+  const Eigen::Index n = map.size();
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(6 * n, 6 * n);
-  using Parts = std::vector<std::pair<int, Matrix3d>>;
+  using Parts = std::vector<std::pair<Eigen::Index, Matrix3d>>;
   const auto measure = [&all](const Parts& parts) {
     for (const auto& [i, J] : parts)
       for (const auto& [j, K] : parts) all.block<3, 3>(3 * i, 3 * j) += J.transpose() * K;
   };
   measure({{0, 1e6 * Matrix3d::Identity()}});
-  for (int k = 0; k < n; ++k) measure({{n + k, Matrix3d::Identity()}});
+  for (Eigen::Index k = 0; k < n; ++k) measure({{n + k, Matrix3d::Identity()}});
   for (int k = 1; k < n; ++k) {
     const auto movedFrom = [&](int from) {
       return moved(core::position(map.pose(from)), core::position(map.pose(k)));
@@ -324,7 +315,7 @@ TEST(ErrorFlow, OfFittedPosesIsThatOfLeastSquares) {
   const Wanderer wanderer;
   const auto told = ErrorFlow(wanderer.map, Poses::kFitted).covariances();
   const Eigen::MatrixXd covariance = informationOf(wanderer.map).inverse();
-  for (const int k : {1, 4, 8}) {
+  for (const Eigen::Index k : {1, 4, 8}) {
     const Matrix3d expected = covariance.block<3, 3>(3 * k, 3 * k);
     EXPECT_LT((told[static_cast<size_t>(k)] - expected).norm(), 1e-4 * expected.norm()) << k;
   }
