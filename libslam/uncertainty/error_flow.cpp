@@ -35,10 +35,21 @@ Matrix3d rootOfInformation(const Matrix3d& information) {
   return back * scanmatch::rootOf(unit * information * unit);
 }
 
+/// Of a match's noise what its points do not tell: see Inheritance::points_err.
+Matrix3d beyondPoints(const Matrix3d& noise, double points_err) {
+  return noise * (1 - 1 / (points_err * points_err));
+}
+
 }  // namespace
 
 ErrorFlow::ErrorFlow(const KeyframeMap& map, Poses poses) : poses_(map.graph().poses()), found_(poses) {
   numberUnknowns(map);
+  own_.assign(poses_.size(), Matrix3d::Zero());
+  for (size_t k = 1; k < own_.size() && found_ == Poses::kFitted; ++k) {
+    const auto& keyframe = map.keyframe(static_cast<int>(k));
+    if (keyframe.inherited.points_err > 1)
+      own_[k] = beyondPoints(keyframe.noise, keyframe.inherited.points_err);
+  }
   analyse(map);
   fill(map);
   if (!cholesky_.factorizeRaised())
@@ -170,7 +181,8 @@ std::vector<Matrix3d> ErrorFlow::covariances() const {
   std::vector<Matrix3d> result(pose_.size(), Matrix3d::Zero());
   for (size_t k = 0; k < result.size(); ++k)
     if (pose_[k] >= 0)
-      result[k] = scanmatch::withoutNegatives(of_unknowns[static_cast<size_t>(pose_[k])], kLeastShare, 0);
+      result[k] =
+          scanmatch::withoutNegatives(of_unknowns[static_cast<size_t>(pose_[k])], kLeastShare, 0) + own_[k];
   return result;
 }
 
@@ -182,8 +194,8 @@ Matrix3d ErrorFlow::relative(int a, int b) const {
   const auto of_a = halfColumn(a), of_b = halfColumn(b);
   const Matrix3d ab = sparse::BlockCholesky::inverseBlock(of_a, of_b);
   Eigen::Matrix<double, 6, 6> joint;
-  joint << sparse::BlockCholesky::inverseBlock(of_a, of_a), ab, ab.transpose(),
-      sparse::BlockCholesky::inverseBlock(of_b, of_b);
+  joint << sparse::BlockCholesky::inverseBlock(of_a, of_a) + own_[static_cast<size_t>(a)], ab, ab.transpose(),
+      sparse::BlockCholesky::inverseBlock(of_b, of_b) + own_[static_cast<size_t>(b)];
   return posegraph::relativeCovariance(joint, poses_[static_cast<size_t>(a)], poses_[static_cast<size_t>(b)]);
 }
 

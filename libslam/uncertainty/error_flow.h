@@ -18,6 +18,8 @@ enum class Poses { kTracked, kFitted };
 /// are matched to it share; what two such matches say of the keyframes before is counted as nothing. Loops
 /// are measurements of the way between their ends. Of poses that were fitted those matches are measurements,
 /// too, each view for itself, and so are odometry's steps: what comes later makes sure of what was before.
+/// But what a spinning lidar's pose errs by beyond its points, as it is not known exactly how it moved in its
+/// sweep, stays with it, however often its walls are seen.
 ///
 /// So the errors are a sparse linear system, of two unknowns a keyframe: its pose, and the noise of what it
 /// saw first. Cost: one factorisation; memory: some kB a keyframe. A snapshot: later changes of the map do
@@ -55,6 +57,7 @@ class ErrorFlow {
   std::vector<core::Pose2> poses_;
   Poses found_;
   std::vector<int> pose_, seen_first_;  ///< unknown of each keyframe; -1: none
+  std::vector<Eigen::Matrix3d> own_;    ///< of each keyframe's pose, besides that
   int unknowns_ = 0;
   sparse::BlockCholesky cholesky_;
 };

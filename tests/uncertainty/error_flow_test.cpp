@@ -258,6 +258,10 @@ TEST(ErrorFlow, OfFittedPosesMatchesAreMeasurements) {
   EXPECT_NEAR(pile.x(1, Poses::kFitted), 1 / (1 / 0.1 + 100), 1e-9) << "of a spinning lidar's view";
   pile.map.keyframes()[1].inherited.points_err = 2;
   EXPECT_NEAR(pile.x(1, Poses::kFitted), 1 / (1 / 0.13 + 100), 1e-9) << "of both views";
+  // How such a lidar moved in its sweep is not known the better the more often its walls are seen.
+  pile.map.keyframes()[1].noise = diagonal(0.4, 0.4, 0.4);
+  EXPECT_NEAR(pile.x(1, Poses::kFitted), 1 / (1 / 0.13 + 100) + 0.75 * 0.4, 1e-9);
+  EXPECT_NEAR(pile.between(0, 1, Poses::kFitted), 1 / (1 / 0.13 + 100) + 0.75 * 0.4, 1e-9);
 }
 
 TEST(ErrorFlow, OfFittedPosesWhoIsMatchedToTwoViewsMakesThemSurer) {
