@@ -8,11 +8,18 @@ namespace slam::graph {
 
 using core::Pose2;
 
+namespace {
+
+uncertainty::Poses posesThat(bool are_fitted) {
+  return are_fitted ? uncertainty::Poses::kFitted : uncertainty::Poses::kTracked;
+}
+
+}  // namespace
+
 std::vector<Eigen::Matrix3d> GraphSlam::covariances() const {
   std::vector<Eigen::Matrix3d> result;
   if (records_.empty()) return result;
-  const auto found = isRefined() ? uncertainty::Poses::kFitted : uncertainty::Poses::kTracked;
-  const auto keyframes = uncertainty::ErrorFlow(*map_, found).covariances();
+  const auto keyframes = uncertainty::ErrorFlow(*map_, posesThat(isRefined())).covariances();
   result.reserve(records_.size());
   for (const auto& record : records_) {
     const Pose2& T_map_keyframe = map_->pose(record.keyframe);
@@ -28,8 +35,7 @@ std::vector<Eigen::Matrix3d> GraphSlam::relativeCovariances(
     const std::vector<std::pair<int, int>>& scans) const {
   std::vector<Eigen::Matrix3d> result;
   if (scans.empty()) return result;
-  const auto found = isRefined() ? uncertainty::Poses::kFitted : uncertainty::Poses::kTracked;
-  const uncertainty::RelativeError error(*map_, found);
+  const uncertainty::RelativeError error(*map_, posesThat(isRefined()));
   const auto hung = [&](int scan) -> uncertainty::HungScan {
     const auto& record = records_[static_cast<size_t>(scan)];
     return {record.keyframe, record.T_keyframe_robot, record.drift_covariance.matrix()};

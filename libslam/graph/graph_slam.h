@@ -106,8 +106,9 @@ class GraphSlam {
   /// The same without changing the map: where the robot is in what is known. REQUIRES a keyframe.
   Step localise(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
 
-  /// Looks for the loops that are left, now that the whole path is known, finds all poses anew by what later
-  /// passes through a place measured, and refines them jointly (`refine_rounds`). What process() gave stays;
+  /// Looks for the loops that are left, now that the whole path is known, sets all odometry right by what the
+  /// drive has shown of the wheels, finds all poses anew by what later passes through a place measured, and
+  /// refines them jointly (`refine_rounds`). What process() gave stays;
   /// poses() changes. Errors: what `progress` throws; the map is whole then, with the loops found so far.
   void finish(core::Progress& progress = core::silentProgress());
 
