@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/numbers.h"

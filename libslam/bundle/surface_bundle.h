@@ -103,7 +103,7 @@ class SurfaceBundle {
   std::vector<Piece> pieces_;
   Vectors pulls_;  ///< of surfaces on keyframes, about the map's origin
   std::vector<Told> told_;
-  std::vector<double> point_weights_;  ///< by keyframe, 1 by the variance of its points' noise, in units
+  std::vector<double> point_weights_;  ///< by keyframe: one by its points' variance, in that of surfaces
   std::vector<Line> lines_;            ///< of the surface that is added
   std::vector<Tie> ties_;              ///< those that are measured come first
   std::size_t measured_ = 0;

@@ -31,7 +31,7 @@ void GraphSlam::addKnownKeyframe(const lidar::Scan& scan, const Pose2& T_given_r
     around().setKeyframes({});
     map_->drive(keyframes::kGapPath_m);
   } else {
-    T_odometry_ = core::between(k == 0 ? Pose2{} : map_->pose(k - 1), T_map_robot);
+    T_keyframe_hung_ = T_odometry_ = core::between(k == 0 ? Pose2{} : map_->pose(k - 1), T_map_robot);
     map_->drive(core::hypot(T_odometry_.x, T_odometry_.y));
   }
   const bool loops = std::exchange(options_.loops, false);

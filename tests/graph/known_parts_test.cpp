@@ -59,6 +59,24 @@ TEST(KnownParts, AreJoinedWhereTheyLie) {
       0.1);
 }
 
+TEST(KnownParts, KeepHowTheirKeyframesLieWhenMoreIsDriven) {
+  const auto before = mapped(ring(), lapsAround(1), 1);
+  GraphSlam graph{keyframes::GraphOptions()};
+  addKeyframes(before, graph);
+  graph.startAt({});
+  const auto log = drive(ring(), lapsAround(1), {}, 0, 2);
+  for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
+  graph.finish();
+  int known = 0;
+  for (const auto& edge : graph.graph().edges()) {
+    if (edge.to >= before.keyframeCount() || edge.from != edge.to - 1) continue;
+    const auto expected = core::between(before.keyframePose(edge.from), before.keyframePose(edge.to));
+    EXPECT_LT(core::distance(edge.T_from_to, expected), 0.01) << edge.to;
+    ++known;
+  }
+  EXPECT_GE(known, before.keyframeCount() - 1);
+}
+
 TEST(KnownParts, OfAnotherBuildingStayApart) {
   auto walls = rectangle(0, 0, 9, 7);
   for (const double x : {2.0, 5.5}) {
