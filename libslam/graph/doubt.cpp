@@ -244,8 +244,7 @@ void GraphSlam::startElsewhere(double score) {
   loosen(k);
   for (int i = k; i < map_->size(); ++i) {
     map_->keyframes()[static_cast<size_t>(i)].path_m += keyframes::kGapPath_m;
-    map_->keyframes()[static_cast<size_t>(i)].covariance = uncertainty_.covariance();
-    map_->keyframes()[static_cast<size_t>(i)].root = scanmatch::rootOf(uncertainty_.covariance());
+    map_->setErrors(i, uncertainty_.errors());
   }
   map_->drive(keyframes::kGapPath_m);
   moveHeldBackTo(k);

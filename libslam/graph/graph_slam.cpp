@@ -135,21 +135,28 @@ void GraphSlam::setOdometryRight() {
 void GraphSlam::addKeyframe(const lidar::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
                             const Eigen::Matrix3d& information) {
   const int k = map_->graph().addNode(T_map_robot);
-  map_->keyframes().push_back(
-      {map_->scan(), scan, std::move(points), map_->path_m(), -1, tracker_.isFollowingWheels(), false, -1,
-       Eigen::Matrix3d::Zero(), uncertainty_.noise(), uncertainty_.covariance(),
-       scanmatch::rootOf(uncertainty_.covariance() + uncertainty_.noise()), uncertainty_.inheritance()});
+  map_->keyframes().push_back({map_->scan(),
+                               scan,
+                               std::move(points),
+                               map_->path_m(),
+                               -1,
+                               tracker_.isFollowingWheels(),
+                               false,
+                               uncertainty_.noise(),
+                               {},
+                               uncertainty_.inheritance()});
   map_->links().addKeyframe();
   if (k == 0) {
     map_->graph().setFixed(0);
   } else {
     map_->keyframes().back().odometry_edge = addOdometryEdge(k);
+    uncertainty_.inherit(k);
     if (doubt_.begins != k && map_->parts().back().begin != k) map_->link(anchor_, k);
     // What was driven on known ground is no way from one to the other.
     if (anchor_ != k - 1) map_->addClosure(anchor_, k);
     addMatchEdges(k, T_map_robot, information);
-    uncertainty::noteMatch(*map_, uncertainty_.evidence(), uncertainty_.least());
   }
+  map_->setErrors(k, uncertainty_.errors());
   anchor_ = k;
   uncertainty_.beginKeyframe(k);
   T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = T_wheels_ = {};

@@ -215,6 +215,7 @@ class GraphSlam {
 
   // localise.cpp: in a finished map
   bool searchWhileLost(const Points& points, Step& step);
+  void beginLocalising();
   void beLost(double score);
   bool fitsMap(const Points& points, const core::Pose2& T_map_robot) const;
 
@@ -249,8 +250,9 @@ class GraphSlam {
   int held_back_ = 0;       ///< scans in a row that were not believed
   std::vector<keyframes::KnownPart> known_parts_;  ///< those after the first
   int wrong_places_ = 0;                           ///< that were learnt from
-  bool is_lost_ = false, is_outside_ = false;      ///< in a finished map
-  std::pair<int, int> refined_{0, 0};              ///< keyframes and revision of the map that refine() left
+  /// In a finished map.
+  bool is_localising_ = false, is_lost_ = false, is_outside_ = false;
+  std::pair<int, int> refined_{0, 0};  ///< keyframes and revision of the map that refine() left
 };
 
 }  // namespace slam::graph

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <utility>
 
 #include "libslam/core/error.h"
 #include "libslam/graph/graph_slam.h"
@@ -24,10 +25,17 @@ void GraphSlam::startAnywhere() {
   beLost(0);
 }
 
+/// Poses are told in the map as it is, whatever that errs by.
+void GraphSlam::beginLocalising() {
+  if (std::exchange(is_localising_, true)) return;
+  for (int k = 0; k < map_->size(); ++k) map_->setErrors(k, {});
+}
+
 GraphSlam::Step GraphSlam::localise(const lidar::Scan& given, const Pose2& T_previous_robot,
                                     bool has_odometry) {
   if (map_->keyframes().empty()) throw core::ContractError("GraphSlam: localise() without a map");
   completeClosing();
+  beginLocalising();
   lidar::Scan scan = given;
   std::vector<PatchPoint> points;
   Eigen::Matrix3d information;

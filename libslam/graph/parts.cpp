@@ -21,7 +21,7 @@ void GraphSlam::noteLoop(const loops::LoopCloser::Accepted& loop) {
 /// After the keyframes have moved.
 void GraphSlam::haveMoved() {
   tracker_.forgetWheels();
-  uncertainty_.setCovariance(map_->keyframe(anchor_).covariance);
+  uncertainty_.restartFrom(anchor_, currentPose());
   setMapHere();
 }
 

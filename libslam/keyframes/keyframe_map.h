@@ -57,8 +57,8 @@ class KeyframeMap {
   void removeClosure(int a, int b);
   /// The shortest way from a keyframe to every earlier one: what the drift between them grows with.
   std::vector<double> pathTo(int keyframe) const;
-  /// Takes over what was found for the first keyframes (Settling). Those that came since lie to the one that
-  /// they were reached from as before.
+  /// Takes over what was found for the first keyframes. Those that came since lie to the one that they were
+  /// reached from as before.
   void settle(const Settled& found);
 
   /// The map around a new keyframe explains this share of its scan, 0..1.
@@ -133,15 +133,13 @@ class KeyframeMap {
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
                               const core::Pose2& T_map_robot) const;
 
-  // witnesses.cpp
-  /// What is known of each keyframe from one other; and of a loop counts as much as one match tells.
-  Witnesses witnesses() const;
+  // settle.cpp
+  /// What keyframe k's pose errs by in the map. The first one's lies where it lies.
+  ErrorSamples errorsOf(int k) const;
+  /// So it is found to err. REQUIRES its noise; where that changes it is to be set again.
+  void setErrors(int k, const ErrorSamples& errors);
   /// Of all loops, those edges that are on.
   std::vector<LoopEdge> loopEdges() const;
-  /// How sure the way between two keyframes is, by its witnesses: covariance of b's x, y (m) and phi (rad) in
-  /// a's frame. Loops count as they did when the map was settled. Cost: the keyframes on the way that came
-  /// since, and two chains of an elimination tree.
-  Eigen::Matrix3d wayCovariance(int a, int b) const;
 
  private:
   GraphOptions options_;
@@ -165,16 +163,7 @@ class KeyframeMap {
   };
   mutable std::vector<Sorted> sorted_;  ///< of inCells(), those asked for last
   mutable std::int64_t asked_ = 0;
-  Known knownFrom(int k) const;
-  Eigen::Matrix3d stepCovariance(int k, const Known& known) const;
-  double loopVariance() const;
-  std::shared_ptr<const posegraph::Marginals> settled_;  ///< of settle()
+  void takeOver(const std::vector<ErrorSamples>& errors);
 };
-
-/// A graph with what witnesses say of its nodes instead of its edges, at these poses.
-posegraph::PoseGraph witnessGraph(const posegraph::PoseGraph& graph, const std::vector<core::Pose2>& poses,
-                                  const Witnesses& witnesses);
-/// How sure they are, by the Marginals of a witnessGraph(): x, y (m), phi (rad), map frame.
-std::vector<Eigen::Matrix3d> covariancesOf(const posegraph::Marginals& ways);
 
 }  // namespace slam::keyframes

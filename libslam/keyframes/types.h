@@ -10,15 +10,12 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/core/symmetric3.h"
+#include "libslam/keyframes/error_samples.h"
 #include "libslam/keyframes/graph_options.h"
 #include "libslam/keyframes/inheritance.h"
 #include "libslam/lidar/scan.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/scanmatch/surfel_matcher.h"
-
-namespace slam::posegraph {
-class Marginals;
-}
 
 /// What graph SLAM keeps: keyframes, the places that it follows, and what it thinks of the robot. For
 /// the rooms of graph SLAM only.
@@ -33,11 +30,10 @@ struct Keyframe {
   bool unsure = false;                        ///< no scan is matched to it: see tracking::Tracker
   bool is_retired = false;                    ///< nor to this one, for ever; nothing of its scan is kept
   // how sure its pose is: see uncertainty::errorAfterMatch()
-  int matched_to = -1;          ///< keyframe that saw first what it was matched to, most of it; -1: none
-  Eigen::Matrix3d information;  ///< what is known of its pose from there; body frame
-  Eigen::Matrix3d noise;        ///< of its pose against the map as it was; map frame, like those that follow
-  Eigen::Matrix3d covariance;   ///< of its pose in the map
-  Eigen::Matrix3d root;         ///< of the covariance with which what it saw first lies in the map; symmetric
+  Eigen::Matrix3d noise;  ///< of its pose against the map as it was; map frame
+  /// What the surfaces that it saw first err by in the map: its pose's error, see KeyframeMap::errorsOf(),
+  /// and its noise, which is the same for all that are matched to them.
+  ErrorSamples surfaces;
   Inheritance inherited;
 };
 /// None moves when one more comes.
@@ -80,29 +76,17 @@ struct Hypothesis {
   std::map<int, Said> says;  ///< of every keyframe that was asked
   std::vector<posegraph::Edge> edges;
 };
-/// What is known of a keyframe from another one.
-struct Known {
-  int from;
-  Eigen::Matrix3d information;  ///< body frame
-};
-/// What says how sure a graph's poses are while it grows; in the end uncertainty::ErrorFlow knows better.
-struct Witnesses {
-  std::vector<Known> known;      ///< of each keyframe after the first
-  std::vector<int> loop_begins;  ///< first edge of every loop
-  double variance;               ///< times the covariance that a loop's edges claim
-};
 /// An edge that measures a loop, and the share of its information that it tells: a loop counts as much as one
 /// match, however many keyframes have confirmed it.
 struct LoopEdge {
   size_t edge;
   double share;
 };
-/// All keyframes' poses, found anew, and how sure they are.
+/// All keyframes' poses, found anew, and what they err by; or nothing of that.
 struct Settled {
   double chi2 = 0;  ///< of the graph
   std::vector<core::Pose2> poses;
-  std::shared_ptr<const posegraph::Marginals> ways;
-  std::vector<Eigen::Matrix3d> covariances, roots;  ///< as Keyframe has them
+  std::vector<ErrorSamples> errors;
 };
 /// Of a point's residual, in surfels' variances, as all scans so far have it.
 class PointNoise {

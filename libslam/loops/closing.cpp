@@ -15,13 +15,13 @@ constexpr double kFound = 0.05;
 
 }  // namespace
 
-void LoopCloser::beginClosing() {
+void LoopCloser::beginClosing(Settling::What what) {
   search_.giveUp();
   posegraph::OptimizeOptions options;
   // Loops are judged whole, by accept(); one edge of a loop is no loop.
   options.robust = "none";
   options.tolerance = kFound;
-  const auto settling = std::make_shared<keyframes::Settling>(*map_, options);
+  const auto settling = std::make_shared<Settling>(*map_, options, what);
   threads::PacedWork work([settling](double& left) { return settling->advance(left); }, where_);
   closing_.emplace(Closing{settling, std::move(work), {}, {-1, -1}, false});
   solved_edges_ = map_->graph().edges().size();
@@ -29,7 +29,7 @@ void LoopCloser::beginClosing() {
 
 /// `is_linked`: the loop's ends lie where they belong already, as parts do that were just joined.
 void LoopCloser::beginClosing(const keyframes::Hypothesis& loop, bool is_linked) {
-  beginClosing();
+  beginClosing(Settling::What::kErrorsToo);
   closing_->ends = {loop.old_keyframe, loop.keyframe};
   closing_->edges = loop.edges;
   if (!is_linked) return;
@@ -60,7 +60,7 @@ bool LoopCloser::closeRest() {
   // A shorter way has one pass through each place.
   if (map_->path_m() < options_->map_path_m) return false;
   if (isClosing() || map_->graph().edges().size() == solved_edges_) return false;
-  beginClosing();
+  beginClosing(Settling::What::kPoses);
   return completeClosing();
 }
 

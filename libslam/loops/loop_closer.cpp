@@ -353,8 +353,9 @@ void LoopCloser::forget() {
 }
 
 LoopJudge LoopCloser::judge() const {
-  return LoopJudge(map_->graph().poses(), map_->keyframes(),
-                   [this](int a, int b) { return map_->wayCovariance(a, b); });
+  return LoopJudge(map_->graph().poses(), map_->keyframes(), [this](int a, int b) {
+    return keyframes::wayCovariance(map_->errorsOf(a), map_->pose(a), map_->errorsOf(b), map_->pose(b));
+  });
 }
 
 }  // namespace slam::loops

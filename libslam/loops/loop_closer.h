@@ -7,9 +7,9 @@
 
 #include "libslam/core/progress.h"
 #include "libslam/keyframes/keyframe_map.h"
-#include "libslam/keyframes/settling.h"
 #include "libslam/loops/loop_judge.h"
 #include "libslam/loops/place_search.h"
+#include "libslam/loops/settling.h"
 #include "libslam/threads/paced_work.h"
 
 namespace slam::loops {
@@ -86,12 +86,12 @@ class LoopCloser {
   double workOfScan() const;
 
   void beginClosing(const keyframes::Hypothesis& loop, bool is_linked);
-  void beginClosing();
+  void beginClosing(Settling::What what);
   void takeOver();
 
   /// A loop that was accepted, while all poses are found anew.
   struct Closing {
-    std::shared_ptr<const keyframes::Settling> settling;
+    std::shared_ptr<const Settling> settling;
     threads::PacedWork work;             ///< of `settling`
     std::vector<posegraph::Edge> edges;  ///< of the loop, if they are not linked yet
     std::pair<int, int> ends{-1, -1};    ///< keyframes that it joins

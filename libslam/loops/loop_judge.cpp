@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "libslam/core/elementary.h"
 #include "libslam/keyframes/search.h"
 #include "libslam/scanmatch/information.h"
 
@@ -9,6 +10,20 @@ namespace slam::loops {
 namespace {
 
 using core::Pose2;
+
+/// By how many standard deviations a way may err as by one: floors, wheels and walls are not what they are
+/// taken for. Of 212 right loops of four real logs in 23 alterations none lay farther off than 18 of those
+/// that ways claim; of 157 wrong ones in 30 simulated drives two nearer than 38.
+constexpr double kErrsBy = 4;
+
+/// What the way between says against a place, in nats. Ways go wrong in more manners than covariances know,
+/// so errors have heavy tails: Student's t in three dimensions (Lange, Little and Taylor, J. Am. Stat. Assoc.
+/// 84, 1989). With 12 to 20 degrees of freedom robots whose wheels slipped by about as much as pillars lie
+/// apart close right loops and no wrong ones (tests/graph).
+double natsAgainst(double innovation) {
+  constexpr double kFreedom = 16;
+  return (kFreedom + 3) / 2 * core::log(1 + innovation / kFreedom);
+}
 
 /// Whether the map says something of most of what was seen, if it was seen there.
 bool isTold(const keyframes::Hypothesis& place) {
@@ -28,7 +43,8 @@ double LoopJudge::innovation(const keyframes::Hypothesis& loop) {
                             core::angleDifference(by_scans.phi, by_way.phi));
   const Eigen::Matrix3d noise =
       scanmatch::turned(keyframes_[static_cast<size_t>(loop.keyframe)].noise, T_map_old.phi);
-  const Eigen::Matrix3d expected = way_(loop.old_keyframe, loop.keyframe) + keyframes::kBothViews * noise;
+  const Eigen::Matrix3d expected =
+      kErrsBy * kErrsBy * way_(loop.old_keyframe, loop.keyframe) + keyframes::kBothViews * noise;
   return off.dot(scanmatch::covarianceOf(expected) * off);
 }
 
@@ -36,7 +52,7 @@ bool LoopJudge::isBest(const keyframes::Hypothesis& loop, const std::vector<keyf
                        Beyond beyond) {
   return std::none_of(others.begin(), others.end(), [&](const keyframes::Hypothesis& other) {
     if (&other == &loop || (beyond == Beyond::kIsNoRival && !isTold(other))) return false;
-    double ahead = (innovation(other) - innovation(loop)) / 2;
+    double ahead = natsAgainst(innovation(other)) - natsAgainst(innovation(loop));
     for (const auto& [keyframe, said] : loop.says) {
       const auto rival = other.says.find(keyframe);
       // What the map says nothing of may fit there.

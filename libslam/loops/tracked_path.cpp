@@ -10,6 +10,7 @@
 #include "libslam/scanmatch/information.h"
 #include "libslam/uncertainty/error_flow.h"
 #include "libslam/uncertainty/inheriting.h"
+#include "libslam/uncertainty/error_sources.h"
 #include "libslam/uncertainty/pose_error.h"
 #include "libslam/uncertainty/relative_error.h"
 
@@ -68,18 +69,13 @@ void TrackedPath::insert(const std::vector<lidar::Scan>& seen, const Placed& pla
   keyframe.scan = map_->scan();
   keyframe.seen = seen.front();
   keyframe.path_m = map_->path_m();
-  keyframe.odometry_edge = keyframe.matched_to = -1;
+  keyframe.odometry_edge = -1;
   const int k = map_->size();
   if (seen.size() > 1) others_[k].assign(seen.begin() + 1, seen.end());
   scanmatch::MatchEvidence evidence;
   if (!near.empty()) evidence = evidenceFrom(near, keyframe.points, placed);
-  uncertainty::PoseError error{};
-  if (k == 0)
-    error.noise = error.covariance = Eigen::Matrix3d::Zero();
-  else
-    error = errorOf(evidence, placed, keyframe.inherited);
-  keyframe.noise = error.noise, keyframe.covariance = error.covariance;
-  keyframe.root = scanmatch::rootOf(error.covariance + error.noise);
+  keyframe.noise.setZero();
+  if (k > 0) follow(evidence, placed, keyframe);
   map_->graph().addNode(placed.T_map_robot);
   map_->keyframes().push_back(std::move(keyframe));
   map_->links().addKeyframe();
@@ -87,13 +83,13 @@ void TrackedPath::insert(const std::vector<lidar::Scan>& seen, const Placed& pla
     map_->graph().setFixed(0);
   } else {
     addOdometryEdge(k, placed);
+    map_->setErrors(k, uncertainty::inheritedErrors(*map_, k, static_cast<std::uint64_t>(k)));
     map_->link(anchor_, k);
     // What was driven on known ground is no way from one to the other.
     if (anchor_ != k - 1) map_->addClosure(anchor_, k);
     const Pose2& T = placed.T_map_robot;
     const auto partners = map_->partnersOf(k, near, T);
     map_->tie(k, partners, T, keyframes::toldInformation(evidence), static_cast<double>(partners.size()));
-    uncertainty::noteMatch(*map_, evidence, error.least);
   }
   anchor_ = k;
   T_anchor_robot_ = {};
@@ -116,24 +112,22 @@ scanmatch::MatchEvidence TrackedPath::evidenceFrom(const std::vector<int>& near,
   return evidence;
 }
 
-/// As if the scan had been matched with the motion since the last call as its prior.
-uncertainty::PoseError TrackedPath::errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed,
-                                            keyframes::Inheritance& inherited) {
+/// What the next keyframe inherits, as if its scan had been matched with the motion since the last call as
+/// its prior.
+void TrackedPath::follow(const scanmatch::MatchEvidence& evidence, const Placed& placed,
+                         keyframes::Keyframe& next) {
   const Pose2 T_before = map_->pose(anchor_) * T_anchor_robot_;
   const Eigen::Matrix3d odometry = scanmatch::turned(placed.odometry_covariance, -T_before.phi);
   const Eigen::Matrix3d posterior = keyframes::matchOptions(1).information_scale * evidence.information() +
                                     scanmatch::covarianceOf(odometry);
-  uncertainty::PoseError error =
-      uncertainty::errorAfterMatch(*map_, evidence, posterior, placed.T_map_robot,
-                                   {T_before, map_->keyframe(anchor_).covariance, odometry});
+  uncertainty::PoseError error = uncertainty::errorAfterMatch(*map_, evidence, posterior);
   if (placed.noise) raiseNoise(error, *placed.noise);
   uncertainty::Inheriting inheriting;
   inheriting.carryOn(error, keyframes::moved(core::position(T_before), core::position(placed.T_map_robot)),
                      odometry);
-  inherited = inheriting.of(evidence);
-  // The first keyframe lies where it lies; what it saw does not.
-  if (map_->size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(error.noise);
-  return error;
+  next.inherited = inheriting.of(evidence);
+  next.noise = error.noise;
+  noteFirst(*map_, error);
 }
 
 void TrackedPath::addOdometryEdge(int k, const Placed& placed) {
@@ -164,8 +158,8 @@ const Pose2& TrackedPath::pose(int k) const {
   return map_->pose(k);
 }
 
-const Eigen::Matrix3d& TrackedPath::covariance(int k) const {
-  return map_->keyframe(k).covariance;
+Eigen::Matrix3d TrackedPath::covariance(int k) const {
+  return scanmatch::withoutNegatives(map_->errorsOf(k).covariance(), keyframes::kLeastShare, 0);
 }
 
 std::vector<Pose2> TrackedPath::poses() const {

@@ -15,11 +15,10 @@
 
 namespace slam::keyframes {
 class KeyframeMap;
-struct Inheritance;
+struct Keyframe;
 }  // namespace slam::keyframes
 namespace slam::uncertainty {
 struct HungScan;
-struct PoseError;
 }  // namespace slam::uncertainty
 
 namespace slam::loops {
@@ -64,7 +63,7 @@ class TrackedPath {
   int scan(int keyframe) const;  ///< at which it came
   const core::Pose2& pose(int keyframe) const;
   /// Of its pose in the map, map frame, as it was known when it came or when the last loop was closed.
-  const Eigen::Matrix3d& covariance(int keyframe) const;
+  Eigen::Matrix3d covariance(int keyframe) const;
   std::vector<core::Pose2> poses() const;
   /// Of all poses, by all that is known now.
   std::vector<Eigen::Matrix3d> covariances() const;
@@ -88,8 +87,7 @@ class TrackedPath {
   bool isKnownGround(const lidar::Scan& scan, const core::Pose2& T_map_robot,
                      const std::vector<int>& near) const;
   void insert(const std::vector<lidar::Scan>& seen, const Placed& placed, const std::vector<int>& near);
-  uncertainty::PoseError errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed,
-                                 keyframes::Inheritance& inherited);
+  void follow(const scanmatch::MatchEvidence& evidence, const Placed& placed, keyframes::Keyframe& next);
   void addOdometryEdge(int keyframe, const Placed& placed);
 
   std::unique_ptr<keyframes::KeyframeMap> map_;

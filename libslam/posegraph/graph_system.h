@@ -48,7 +48,6 @@ class GraphSystem {
   const sparse::BlockCholesky& factor() const { return cholesky_; }
   /// As step() without the step. REQUIRES linearise() before.
   bool factorize() { return cholesky_.factorize(); }
-  bool factorizeRaised() { return cholesky_.factorizeRaised(); }
 
  private:
   struct Term {

@@ -7,10 +7,9 @@
 
 namespace slam::posegraph {
 
-Marginals::Marginals(const PoseGraph& graph, Open open)
-    : poses_(graph.poses()), system_(graph, edgesOn(graph)) {
+Marginals::Marginals(const PoseGraph& graph) : poses_(graph.poses()), system_(graph, edgesOn(graph)) {
   system_.linearise(graph, poses_, std::vector<double>(graph.edges().size(), 1.0));
-  if (!(open == Open::kBounded ? system_.factorizeRaised() : system_.factorize()))
+  if (!system_.factorize())
     throw core::MethodError("pose graph: the edges do not determine every pose; there is no covariance");
 }
 

@@ -20,18 +20,14 @@ Eigen::Matrix3d relativeCovariance(const Eigen::Matrix<double, 6, 6>& joint, con
 class Marginals {
  public:
   /// Cost: that of one step of optimize(). Errors: InputError as optimize(); MethodError when the edges leave
-  /// some direction of some pose open, or hold it by no more than rounding. kBounded: then the information is
-  /// raised by the least share of its diagonal that gives an answer, so that what is open has a large
-  /// variance.
-  enum class Open { kRefused, kBounded };
-  explicit Marginals(const PoseGraph& graph, Open open = Open::kRefused);
+  /// some direction of some pose open, or hold it by no more than rounding.
+  explicit Marginals(const PoseGraph& graph);
 
   /// Of the pose in the map's frame; zero for a fixed node. Here and below: REQUIRES nodes of the graph
   /// (ContractError). Cost: one chain of the elimination tree; all() is cheaper for many.
   Eigen::Matrix3d covariance(int node) const;
   /// One per node.
   std::vector<Eigen::Matrix3d> all() const;
-  int nodeCount() const { return static_cast<int>(poses_.size()); }
   /// Joint covariance of two poses: rows 0-2 `a`, rows 3-5 `b`, both in the map's frame.
   Eigen::Matrix<double, 6, 6> joint(int a, int b) const;
   /// Of both poses, see relativeCovariance().

@@ -228,21 +228,36 @@ double BlockCholesky::workOfSolving() const {
   return kWorkPerScalarSolved * static_cast<double>(scalars_);
 }
 
+/// Calls visit(row, block of the factor) for every block below the diagonal of column c of supernode s.
+template <class Visit>
+void BlockCholesky::forColumn(int s, int c, const Visit& visit) const {
+  const auto& supernode = elimination_.supernode(s);
+  const long height = panels_[at(s)].height;
+  const double* column = &factor_[panels_[at(s)].begin] + height * 3 * c;
+  for (int r = c + 1; r < supernode.width; ++r) visit(supernode.first + r, blockAt(column + 3L * r, height));
+  for (int r = 0; r < supernode.below(); ++r)
+    visit(elimination_.rows()[at(supernode.rows_begin + r)],
+          blockAt(column + 3L * (supernode.width + r), height));
+}
+
+/// L^-T times y, in place; by columns.
+template <class Block>
+void BlockCholesky::solveUpper(std::vector<Block>& y) const {
+  for (int s = static_cast<int>(panels_.size()) - 1; s >= 0; --s)
+    for (int c = elimination_.supernode(s).width - 1; c >= 0; --c) {
+      const int k = elimination_.supernode(s).first + c;
+      Block sum = y[at(k)];
+      forColumn(s, c, [&](int row, const ConstBlockRef& block) {
+        sum.noalias() -= block.transpose() * y[at(row)];
+      });
+      y[at(k)].noalias() = inverse_pivot_[at(k)].transpose() * sum;
+    }
+}
+
 void BlockCholesky::solve(std::vector<Vector3d>& b) const {
   std::vector<Vector3d> y(b.size());
   for (int k = 0; k < size(); ++k) y[at(k)] = b[at(elimination_.rowAt(k))];
   const int count = static_cast<int>(panels_.size());
-  // Calls visit(column, row, block of the factor) for every block below the diagonal of block column c.
-  const auto forColumn = [&](int s, int c, const auto& visit) {
-    const auto& supernode = elimination_.supernode(s);
-    const long height = panels_[at(s)].height;
-    const double* column = &factor_[panels_[at(s)].begin] + height * 3 * c;
-    for (int r = c + 1; r < supernode.width; ++r)
-      visit(supernode.first + r, blockAt(column + 3L * r, height));
-    for (int r = 0; r < supernode.below(); ++r)
-      visit(elimination_.rows()[at(supernode.rows_begin + r)],
-            blockAt(column + 3L * (supernode.width + r), height));
-  };
   for (int s = 0; s < count; ++s)
     for (int c = 0; c < elimination_.supernode(s).width; ++c) {
       const int k = elimination_.supernode(s).first + c;
@@ -250,16 +265,15 @@ void BlockCholesky::solve(std::vector<Vector3d>& b) const {
       y[at(k)] = value;
       forColumn(s, c, [&](int row, const ConstBlockRef& block) { y[at(row)].noalias() -= block * value; });
     }
-  for (int s = count - 1; s >= 0; --s)
-    for (int c = elimination_.supernode(s).width - 1; c >= 0; --c) {
-      const int k = elimination_.supernode(s).first + c;
-      Vector3d sum = y[at(k)];
-      forColumn(s, c, [&](int row, const ConstBlockRef& block) {
-        sum.noalias() -= block.transpose() * y[at(row)];
-      });
-      y[at(k)].noalias() = inverse_pivot_[at(k)].transpose() * sum;
-    }
+  solveUpper(y);
   for (int k = 0; k < size(); ++k) b[at(elimination_.rowAt(k))] = y[at(k)];
+}
+
+void BlockCholesky::spread(std::vector<Columns>& columns) const {
+  std::vector<Columns> y(columns.size());
+  for (int k = 0; k < size(); ++k) y[at(k)] = columns[at(elimination_.rowAt(k))];
+  solveUpper(y);
+  for (int k = 0; k < size(); ++k) columns[at(elimination_.rowAt(k))] = y[at(k)];
 }
 
 }  // namespace slam::sparse

@@ -49,7 +49,11 @@ class BlockCholesky {
 
   /// Solves in place. REQUIRES a factor, here and below.
   void solve(std::vector<Eigen::Vector3d>& b) const;
-  /// What that costs, as advance() counts.
+  /// L^-T times columns, in place, a block of them per row: of independent draws with variance 1 it makes draws
+  /// whose covariance is the inverse.
+  using Columns = Eigen::Matrix<double, 3, 16>;
+  void spread(std::vector<Columns>& columns) const;
+  /// What solve() costs, as advance() counts.
   double workOfSolving() const;
 
   /// A column block of L^-1, which is sparse: what the rows of the inverse are made of.
@@ -84,6 +88,10 @@ class BlockCholesky {
   };
   std::vector<std::pair<int, int>> listValues(int size, const std::vector<std::pair<int, int>>& blocks);
   void placeValues();
+  template <class Visit>
+  void forColumn(int s, int c, const Visit& visit) const;
+  template <class Block>
+  void solveUpper(std::vector<Block>& y) const;
   size_t placeOf(int row, int column) const;
   bool makeRoom(double& work);
   void setPanels();

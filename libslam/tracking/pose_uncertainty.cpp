@@ -3,6 +3,7 @@
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/search.h"
 #include "libslam/scanmatch/information.h"
+#include "libslam/uncertainty/error_sources.h"
 #include "libslam/uncertainty/pose_error.h"
 
 namespace slam::tracking {
@@ -20,8 +21,7 @@ void PoseUncertainty::carryOn(const Expected& e, const scanmatch::MatchResult& r
   const Pose2& T = result.T_map_robot;
   const Eigen::Matrix3d assumed =
       scanmatch::covarianceOf(scanmatch::poseInformation(e.step.sigma_xy_m, e.step.sigma_turn_rad));
-  uncertainty::PoseError error = uncertainty::errorAfterMatch(*map_, evidence_, result.posterior_information,
-                                                              T, {e.T_before, covariance_, assumed});
+  uncertainty::PoseError error = uncertainty::errorAfterMatch(*map_, evidence_, result.posterior_information);
   if (noise) raiseNoise(error, *noise);
   beyond_ = error.beyond;
   const Eigen::Matrix3d since = keyframes::moved(core::position(e.T_before), core::position(T));
@@ -29,12 +29,36 @@ void PoseUncertainty::carryOn(const Expected& e, const scanmatch::MatchResult& r
       {T.x - e.predicted.x, T.y - e.predicted.y, core::angleDifference(T.phi, e.predicted.phi)},
       Eigen::Matrix3d::Identity() - error.stays, assumed, error.noise, noise_);
   const Eigen::Matrix3d odometry = step_variance_.of(assumed);
-  noise_ = error.noise, least_ = error.least, covariance_ = error.covariance;
-  if (map_->keyframes().size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(noise_);
+  noise_ = error.noise;
+  noteFirst(*map_, error);
+  setErrors(errorsAfterMatch(*map_, evidence_, error, T, {e.T_before, errors_, odometry}, draws_++));
   from_keyframe_ = scanmatch::withoutNegatives(
       error.stays * (since * from_keyframe_ * since.transpose() + odometry) * error.stays.transpose(),
       keyframes::kLeastShare, 0);
   inheriting_.carryOn(error, since, odometry);
+}
+
+void PoseUncertainty::setErrors(const keyframes::ErrorSamples& errors) {
+  errors_ = errors;
+  covariance_ = scanmatch::withoutNegatives(errors_.covariance(), keyframes::kLeastShare, 0);
+}
+
+void PoseUncertainty::setCovariance(const Eigen::Matrix3d& covariance) {
+  keyframes::ErrorSamples errors;
+  errors.addNew(covariance, draws_++);
+  setErrors(errors);
+}
+
+void PoseUncertainty::inherit(int keyframe) {
+  setErrors(uncertainty::inheritedErrors(*map_, keyframe, draws_++));
+}
+
+void PoseUncertainty::restartFrom(int keyframe, const Pose2& T_map_robot) {
+  keyframes::ErrorSamples errors;
+  errors.add(keyframes::moved(core::position(map_->pose(keyframe)), core::position(T_map_robot)),
+             map_->errorsOf(keyframe));
+  errors.addNew(sinceKeyframe(keyframe), draws_++);
+  setErrors(errors);
 }
 
 Eigen::Matrix3d PoseUncertainty::toldInformation() const {

@@ -14,9 +14,7 @@ namespace {
 using core::position;
 using Eigen::Matrix3d;
 using keyframes::Inheritance;
-using keyframes::KeyframeMap;
 using keyframes::kLeastShare;
-using keyframes::LoopEdge;
 using keyframes::moved;
 
 /// What is new in a keyframe is at least this share of its largest direction, and so much (m^2, rad^2).
@@ -42,36 +40,40 @@ Matrix3d beyondPoints(const Matrix3d& noise, double points_err) {
 
 }  // namespace
 
-ErrorFlow::ErrorFlow(const KeyframeMap& map, Poses poses) : poses_(map.graph().poses()), found_(poses) {
-  numberUnknowns(map);
+ErrorFlow::ErrorFlow(const keyframes::KeyframeMap& map, Poses poses)
+    : ErrorFlow(ErrorSources(map), map.graph().poses(), poses, ViewNoise::kShared) {}
+
+ErrorFlow::ErrorFlow(const ErrorSources& sources, std::vector<core::Pose2> T_map_keyframes, Poses poses,
+                     ViewNoise noise)
+    : poses_(std::move(T_map_keyframes)), found_(poses) {
+  numberUnknowns(sources, noise);
   own_.assign(poses_.size(), Matrix3d::Zero());
-  for (size_t k = 1; k < own_.size() && found_ == Poses::kFitted; ++k) {
-    const auto& keyframe = map.keyframe(static_cast<int>(k));
-    if (keyframe.inherited.points_err > 1)
-      own_[k] = beyondPoints(keyframe.noise, keyframe.inherited.points_err);
-  }
-  analyse(map);
-  fill(map);
+  for (size_t k = 1; k < own_.size() && found_ == Poses::kFitted; ++k)
+    if (const double points_err = sources.inherited[k].points_err; points_err > 1)
+      own_[k] = beyondPoints(sources.noise[k], points_err);
+  analyse(sources);
+  fill(sources);
   if (!cholesky_.factorizeRaised())
     throw core::MethodError("map: its keyframes do not determine one another; there is no covariance");
 }
 
 /// Made one after the other, so that they are never all there at once.
-void ErrorFlow::forEachEquation(const KeyframeMap& map, const Use& use) const {
-  for (int k = 0; k < map.size(); ++k) {
-    if (pose_[static_cast<size_t>(k)] >= 0 && found_ == Poses::kTracked) use(inherited(map, k));
-    if (pose_[static_cast<size_t>(k)] >= 0 && found_ == Poses::kFitted) useMeasured(map, k, use);
+void ErrorFlow::forEachEquation(const ErrorSources& sources, const Use& use) const {
+  for (int k = 0; k < static_cast<int>(poses_.size()); ++k) {
+    if (pose_[static_cast<size_t>(k)] >= 0 && found_ == Poses::kTracked) use(inherited(sources, k));
+    if (pose_[static_cast<size_t>(k)] >= 0 && found_ == Poses::kFitted) useMeasured(sources, k, use);
     Equation noise{{}, Matrix3d::Identity()};
     addPart(noise, seen_first_[static_cast<size_t>(k)], Matrix3d::Identity());
     use(noise);
   }
-  for (const LoopEdge& one : map.loopEdges()) use(way(map, map.graph().edges()[one.edge], one.share));
+  for (const ErrorSources::Way& loop : sources.loops) use(way(loop));
 }
 
-void ErrorFlow::numberUnknowns(const KeyframeMap& map) {
+void ErrorFlow::numberUnknowns(const ErrorSources& sources, ViewNoise noise) {
   std::vector<char> is_view(poses_.size(), 0);
-  for (const auto& keyframe : map.keyframes())
-    for (const auto& view : keyframe.inherited.views) is_view[static_cast<size_t>(view.keyframe)] = 1;
+  for (const Inheritance& from : sources.inherited)
+    for (const auto& view : from.views)
+      is_view[static_cast<size_t>(view.keyframe)] = noise == ViewNoise::kShared;
   pose_.assign(poses_.size(), -1), seen_first_.assign(poses_.size(), -1);
   for (size_t k = 0; k < poses_.size(); ++k) {
     if (k > 0) pose_[k] = unknowns_++;
@@ -84,70 +86,72 @@ void ErrorFlow::addPart(Equation& equation, int unknown, const Matrix3d& factor)
 }
 
 /// That a keyframe errs by what it has inherited, and something new.
-ErrorFlow::Equation ErrorFlow::inherited(const KeyframeMap& map, int k) const {
-  const Inheritance& from = map.keyframe(k).inherited;
-  const core::Point2 here = position(map.pose(k));
-  const posegraph::Edge& step = map.graph().edges()[static_cast<size_t>(map.keyframe(k).odometry_edge)];
-  const auto unknownOf = [](const std::vector<int>& of, int keyframe) {
-    return of[static_cast<size_t>(keyframe)];
-  };
+ErrorFlow::Equation ErrorFlow::inherited(const ErrorSources& sources, int k) const {
+  const auto i = static_cast<size_t>(k);
+  const Inheritance& from = sources.inherited[i];
+  const core::Point2 here = position(poses_[i]);
   Equation equation;
-  addPart(equation, unknownOf(pose_, k), Matrix3d::Identity());
-  Matrix3d left = Matrix3d::Identity();
-  if (from.own.isZero()) {
-    equation.information = scanmatch::turned(step.information, -map.pose(k).phi);
-  } else {
-    equation.information =
-        scanmatch::covarianceOf(scanmatch::withoutNegatives(from.own.matrix(), kLeastOwnShare, kLeastOwn));
-    const double noise = std::sqrt(map.pointNoise().variance());
-    for (const auto& view : from.views) {
-      const Matrix3d J = moved(position(map.pose(view.keyframe)), here), H = view.information.matrix();
-      const Matrix3d share = from.gain * H;
-      left -= share;
-      addPart(equation, unknownOf(pose_, view.keyframe), -share * J);
-      // Of the view's points: their information is the inverse of what they err by.
-      const Matrix3d root = rootOfInformation(J.transpose() * H * J);
-      const double points_err = noise * map.keyframe(view.keyframe).inherited.points_err;
-      addPart(equation, unknownOf(seen_first_, view.keyframe),
-              -points_err * from.gain * moved(here, position(map.pose(view.keyframe))).transpose() * root);
+  addPart(equation, pose_[i], Matrix3d::Identity());
+  const std::vector<PoseShare> shares = poseShares(from, poses_[i], sources.steps[i].from, poses_);
+  const size_t views = shares.size() - 1;
+  Matrix3d own = from.own.matrix();
+  for (size_t v = 0; v < views; ++v) {
+    const Inheritance::View& view = from.views[v];
+    const auto seen_by = static_cast<size_t>(view.keyframe);
+    addPart(equation, pose_[seen_by], -shares[v].of_pose);
+    const double view_err = sources.inherited[seen_by].points_err;
+    if (seen_first_[seen_by] < 0) {
+      own += noiseOfView(from, view, view_err, sources.point_variance);
+      continue;
     }
+    // Of the view's points: their information is the inverse of what they err by.
+    const Matrix3d back = moved(here, position(poses_[seen_by])).transpose(), H = view.information.matrix(),
+                   J = moved(position(poses_[seen_by]), here),
+                   root = rootOfInformation(J.transpose() * H * J);
+    const double points_err = std::sqrt(sources.point_variance) * view_err;
+    addPart(equation, seen_first_[seen_by], -points_err * from.gain * back * root);
   }
-  const int before = from.own.isZero() || from.before < 0 ? step.from : from.before;
-  addPart(equation, unknownOf(pose_, before), -left * moved(position(map.pose(before)), here));
+  equation.information =
+      from.own.isZero()
+          ? scanmatch::turned(sources.steps[i].information, -poses_[i].phi)
+          : scanmatch::covarianceOf(scanmatch::withoutNegatives(own, kLeastOwnShare, kLeastOwn));
+  addPart(equation, pose_[static_cast<size_t>(shares[views].keyframe)], -shares[views].of_pose);
   return equation;
 }
 
 /// That odometry, and each view by itself, measure how a keyframe lies to others.
-void ErrorFlow::useMeasured(const KeyframeMap& map, int k, const Use& use) const {
-  const Inheritance& from = map.keyframe(k).inherited;
-  use(way(map, map.graph().edges()[static_cast<size_t>(map.keyframe(k).odometry_edge)], 1));
-  const double noise = std::sqrt(map.pointNoise().variance()), own = noise * from.points_err;
+void ErrorFlow::useMeasured(const ErrorSources& sources, int k, const Use& use) const {
+  const auto i = static_cast<size_t>(k);
+  const Inheritance& from = sources.inherited[i];
+  use(way(sources.steps[i]));
+  const double noise = std::sqrt(sources.point_variance), own = noise * from.points_err;
   for (const auto& view : from.views) {
-    const core::Point2 here = position(map.pose(k)), there = position(map.pose(view.keyframe));
+    const auto seen_by = static_cast<size_t>(view.keyframe);
+    const core::Point2 here = position(poses_[i]), there = position(poses_[seen_by]);
     const Matrix3d J = moved(there, here), H = view.information.matrix(),
                    root = rootOfInformation(J.transpose() * H * J);
-    const double of_view = noise * map.keyframe(view.keyframe).inherited.points_err;
+    const double of_view = noise * sources.inherited[seen_by].points_err;
     Equation equation{{}, Matrix3d::Identity() / (own * own)};
-    addPart(equation, pose_[static_cast<size_t>(k)], root.transpose() * moved(here, there));
-    addPart(equation, pose_[static_cast<size_t>(view.keyframe)], -root.transpose());
-    addPart(equation, seen_first_[static_cast<size_t>(view.keyframe)], -of_view * Matrix3d::Identity());
+    addPart(equation, pose_[i], root.transpose() * moved(here, there));
+    addPart(equation, pose_[seen_by], -root.transpose());
+    addPart(equation, seen_first_[seen_by], -of_view * Matrix3d::Identity());
     use(equation);
   }
 }
 
 /// That the way between an edge's ends is as it was measured.
-ErrorFlow::Equation ErrorFlow::way(const KeyframeMap& map, const posegraph::Edge& edge, double share) const {
+ErrorFlow::Equation ErrorFlow::way(const ErrorSources::Way& way) const {
+  const core::Pose2 &from = poses_[static_cast<size_t>(way.from)], &to = poses_[static_cast<size_t>(way.to)];
   Equation equation;
-  equation.information = share * scanmatch::turned(edge.information, -map.pose(edge.to).phi);
-  addPart(equation, pose_[static_cast<size_t>(edge.to)], Matrix3d::Identity());
-  addPart(equation, pose_[static_cast<size_t>(edge.from)],
-          -moved(position(map.pose(edge.from)), position(map.pose(edge.to))));
+  equation.information = scanmatch::turned(way.information, -to.phi);
+  addPart(equation, pose_[static_cast<size_t>(way.to)], Matrix3d::Identity());
+  addPart(equation, pose_[static_cast<size_t>(way.from)], -moved(position(from), position(to)));
   return equation;
 }
 
-void ErrorFlow::analyse(const KeyframeMap& map) {
+void ErrorFlow::analyse(const ErrorSources& sources) {
   std::vector<std::pair<int, int>> blocks;
-  forEachEquation(map, [&blocks](const Equation& equation) {
+  forEachEquation(sources, [&blocks](const Equation& equation) {
     for (size_t i = 0; i < equation.parts.size(); ++i)
       for (size_t j = 0; j < i; ++j)
         if (equation.parts[i].unknown != equation.parts[j].unknown)
@@ -156,10 +160,10 @@ void ErrorFlow::analyse(const KeyframeMap& map) {
   cholesky_.analyse(unknowns_, blocks);
 }
 
-void ErrorFlow::fill(const KeyframeMap& map) {
+void ErrorFlow::fill(const ErrorSources& sources) {
   cholesky_.setZero();
   int block = 0;
-  forEachEquation(map, [&](const Equation& equation) {
+  forEachEquation(sources, [&](const Equation& equation) {
     for (size_t i = 0; i < equation.parts.size(); ++i) {
       const Part& a = equation.parts[i];
       const Matrix3d told = a.factor.transpose() * equation.information;
@@ -197,6 +201,20 @@ Matrix3d ErrorFlow::relative(int a, int b) const {
   joint << sparse::BlockCholesky::inverseBlock(of_a, of_a) + own_[static_cast<size_t>(a)], ab, ab.transpose(),
       sparse::BlockCholesky::inverseBlock(of_b, of_b) + own_[static_cast<size_t>(b)];
   return posegraph::relativeCovariance(joint, poses_[static_cast<size_t>(a)], poses_[static_cast<size_t>(b)]);
+}
+
+void ErrorFlow::draw(std::vector<keyframes::ErrorSamples>& samples, int piece) const {
+  constexpr int kWidth = sparse::BlockCholesky::Columns::ColsAtCompileTime;
+  static_assert(kWidth * kPieces == keyframes::ErrorSamples::kCount);
+  std::vector<sparse::BlockCholesky::Columns> columns(static_cast<size_t>(unknowns_));
+  const auto forEach = [&](const auto& use) {
+    for (size_t k = 0; k < pose_.size(); ++k)
+      for (int i = 0; i < kWidth && pose_[k] >= 0; ++i)
+        use(samples[k], piece * kWidth + i, columns[static_cast<size_t>(pose_[k])].col(i));
+  };
+  forEach([](const keyframes::ErrorSamples& of_k, int i, auto column) { column = of_k.sample(i); });
+  cholesky_.spread(columns);
+  forEach([](keyframes::ErrorSamples& of_k, int i, auto column) { of_k.setSample(i, column); });
 }
 
 }  // namespace slam::uncertainty

@@ -3,14 +3,17 @@
 #include <functional>
 #include <vector>
 
-#include "libslam/keyframes/keyframe_map.h"
 #include "libslam/sparse/block_cholesky.h"
+#include "libslam/uncertainty/error_sources.h"
 
 namespace slam::uncertainty {
 
 /// How a map's poses were found. kTracked: each from those before it, as a filter has no second thoughts.
 /// kFitted: together, from all that was seen, see bundle::SurfaceBundle.
 enum class Poses { kTracked, kFitted };
+/// Whether the noise of a point is the same for all keyframes that are matched to it, or another for each:
+/// then there is half as much to find out, and poses that were tracked err hardly otherwise among themselves.
+enum class ViewNoise { kShared, kApart };
 
 /// How the errors of a map's keyframes hang together, by all that is known when this is made. Of poses that
 /// were tracked each one's is what it has inherited, and something new (see keyframes::Inheritance). What a
@@ -23,16 +26,23 @@ enum class Poses { kTracked, kFitted };
 ///
 /// So the errors are a sparse linear system, of two unknowns a keyframe: its pose, and the noise of what it
 /// saw first. Cost: one factorisation; memory: some kB a keyframe. A snapshot: later changes of the map do
-/// not reach it. What is open has a large variance, as posegraph::Marginals have it with Open::kBounded. For
+/// not reach it. What is open has a large variance. For
 /// the rooms of graph SLAM only.
 class ErrorFlow {
  public:
   /// Errors: MethodError when rounding leaves no factor.
   ErrorFlow(const keyframes::KeyframeMap& map, Poses poses);
+  /// `T_map_keyframes`: where each keyframe lies. REQUIRES that noise is shared where poses are fitted.
+  ErrorFlow(const ErrorSources& sources, std::vector<core::Pose2> T_map_keyframes, Poses poses,
+            ViewNoise noise);
   /// Of each keyframe's x, y (m) and phi (rad) in the map; zero for the first.
   std::vector<Eigen::Matrix3d> covariances() const;
   /// Of b's pose in a's frame. Cost: two chains of an elimination tree.
   Eigen::Matrix3d relative(int a, int b) const;
+  /// Turns independent draws with variance 1, for each keyframe but the first, into draws of what they err
+  /// by: a piece of them, of kPieces that are all to be done. Poses that were tracked, ViewNoise::kApart.
+  static constexpr int kPieces = keyframes::ErrorSamples::kCount / 16;
+  void draw(std::vector<keyframes::ErrorSamples>& samples, int piece) const;
 
  private:
   struct Part {
@@ -45,13 +55,13 @@ class ErrorFlow {
     Eigen::Matrix3d information;
   };
   using Use = std::function<void(const Equation&)>;
-  void numberUnknowns(const keyframes::KeyframeMap& map);
-  Equation inherited(const keyframes::KeyframeMap& map, int k) const;
-  Equation way(const keyframes::KeyframeMap& map, const posegraph::Edge& edge, double share) const;
-  void useMeasured(const keyframes::KeyframeMap& map, int k, const Use& use) const;
-  void forEachEquation(const keyframes::KeyframeMap& map, const Use& use) const;
-  void analyse(const keyframes::KeyframeMap& map);
-  void fill(const keyframes::KeyframeMap& map);
+  void numberUnknowns(const ErrorSources& sources, ViewNoise noise);
+  Equation inherited(const ErrorSources& sources, int k) const;
+  Equation way(const ErrorSources::Way& way) const;
+  void useMeasured(const ErrorSources& sources, int k, const Use& use) const;
+  void forEachEquation(const ErrorSources& sources, const Use& use) const;
+  void analyse(const ErrorSources& sources);
+  void fill(const ErrorSources& sources);
   static void addPart(Equation& equation, int unknown, const Eigen::Matrix3d& factor);
 
   std::vector<core::Pose2> poses_;

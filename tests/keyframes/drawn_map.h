@@ -1,12 +1,12 @@
 #pragma once
 #include <cmath>
-#include <limits>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
 #include "libslam/keyframes/keyframe_map.h"
 #include "libslam/keyframes/matching.h"
-#include "libslam/keyframes/settling.h"
+#include "libslam/scanmatch/information.h"
 
 /// Maps of a few keyframes, put where a test wants them.
 namespace slam::keyframes::test_maps {
@@ -38,7 +38,7 @@ inline int addKeyframe(KeyframeMap& map, const core::Pose2& T_map_robot, const l
   keyframe.points = pointsOf(seen, map.options());
   keyframe.path_m = path_m;
   keyframe.odometry_edge = -1;
-  keyframe.information = keyframe.noise = keyframe.covariance = keyframe.root = Eigen::Matrix3d::Zero();
+  keyframe.noise.setZero();
   const int k = map.graph().addNode(T_map_robot);
   map.keyframes().push_back(std::move(keyframe));
   map.links().addKeyframe();
@@ -54,20 +54,25 @@ inline int addKeyframe(KeyframeMap& map, const core::Pose2& T_map_robot, const l
   return k;
 }
 
+/// What keyframes err by, as odometry's edges have it: a quarter of their standard deviations, since loops
+/// are judged as if ways erred by four times as much as is claimed.
+inline void drawErrors(KeyframeMap& map) {
+  for (int k = 1; k < map.size(); ++k) {
+    if (map.keyframe(k).odometry_edge < 0) continue;  // where it is reached from nowhere
+    const posegraph::Edge& edge = map.graph().edges()[static_cast<size_t>(map.keyframe(k).odometry_edge)];
+    ErrorSamples errors;
+    errors.add(moved(core::position(map.pose(edge.from)), core::position(map.pose(k))),
+               map.errorsOf(edge.from));
+    errors.addNew(scanmatch::covarianceOf(scanmatch::turned(edge.information, -map.pose(k).phi)) / 16,
+                  static_cast<std::uint64_t>(k));
+    map.setErrors(k, errors);
+  }
+}
+
 /// Keyframes a metre apart along x, each in the middle of a round room.
 inline void addRow(KeyframeMap& map, int count) {
   for (int i = 0; i < count; ++i)
     addKeyframe(map, {1.0 * i, 0, 0}, roundRoom(5), 1.0 * i, i == 0 ? -1 : map.lastKeyframe());
-}
-
-/// Finds all poses anew, and takes them over.
-inline void settleAtOnce(KeyframeMap& map) {
-  posegraph::OptimizeOptions options;
-  options.robust = "none";
-  Settling settling(map, options);
-  double unlimited = std::numeric_limits<double>::infinity();
-  settling.advance(unlimited);
-  map.settle(settling.result());
 }
 
 }  // namespace slam::keyframes::test_maps

@@ -11,7 +11,8 @@ namespace {
 using core::kPi;
 using keyframes::Hypothesis;
 
-/// Three keyframes in a row along the map's y, all of which look along it: edges of 10 cm and 10 mrad.
+/// Three keyframes in a row along the map's y, all of which look along it: edges of 10 cm and 10 mrad, once
+/// they are taken to err by four times what they claim.
 struct Way {
   posegraph::PoseGraph graph;
   keyframes::Keyframes keyframes;
@@ -26,7 +27,7 @@ struct Way {
       if (k == 0) continue;
       posegraph::Edge edge;
       edge.from = k - 1, edge.to = k, edge.T_from_to = {1, 0, 0};
-      edge.information = Eigen::Vector3d(100, 100, 1e4).asDiagonal();
+      edge.information = 16 * Eigen::Vector3d(100, 100, 1e4).asDiagonal();
       graph.addEdge(edge);
     }
     graph.setFixed(0);
@@ -100,7 +101,7 @@ TEST(LoopJudge, APlaceIsBestWhenNoOtherIsNearlyAsGood) {
   EXPECT_TRUE(two.firstIsBest()) << "7.1 nats ahead";
   two.all[1].says[1].nats = 5.1;
   EXPECT_FALSE(two.firstIsBest()) << "6.9 nats";
-  // The way between may decide: half of what the squares differ by.
+  // The way between may decide.
   two.all[1].innovation = 3.4;
   EXPECT_TRUE(two.firstIsBest());
   two.all[1].innovation = 3, two.all[0].innovation = 2.6;
@@ -109,6 +110,16 @@ TEST(LoopJudge, APlaceIsBestWhenNoOtherIsNearlyAsGood) {
   EXPECT_FALSE(two.firstIsBest());
   two.all.pop_back();
   EXPECT_TRUE(two.firstIsBest()) << "it is no rival of itself";
+}
+
+// By squares alone the first would be 8.75 nats ahead.
+TEST(LoopJudge, WaysAreNotTrustedAsFarAsTheirCovariancesSay) {
+  Rivals two;
+  two.all[0].says = two.all[1].says = {{2, {9, 0}}};
+  two.all[0].innovation = 0.5, two.all[1].innovation = 18;
+  EXPECT_FALSE(two.firstIsBest());
+  two.all[1].innovation = 40;
+  EXPECT_TRUE(two.firstIsBest());
 }
 
 TEST(LoopJudge, WhatTheMapSaysNothingOfMayFitThere) {

@@ -125,6 +125,7 @@ void driveOn(Return& robot, const Pose2& step) {
   robot.map.drive(core::hypot(step.x, step.y));
   addKeyframe(robot.map, robot.map.pose(robot.map.lastKeyframe()) * step, Return::at(robot.truth),
               robot.map.path_m(), robot.map.lastKeyframe());
+  keyframes::test_maps::drawErrors(robot.map);
 }
 
 TEST(PlaceSearch, WhatItFindsIsFollowedThroughTheKeyframesThatCameMeanwhile) {
@@ -135,6 +136,7 @@ TEST(PlaceSearch, WhatItFindsIsFollowedThroughTheKeyframesThatCameMeanwhile) {
   posegraph::Edge way;
   way.from = 3, way.to = robot.k, way.T_from_to = core::between(robot.map.pose(3), robot.map.pose(robot.k));
   robot.map.keyframes().back().odometry_edge = robot.map.graph().addEdge(way);
+  keyframes::test_maps::drawErrors(robot.map);
   LoopCloser loops(robot.map);
   EXPECT_FALSE(loops.closeLoops());
   driveOn(robot, {0.3, 0, 0.1});
@@ -162,6 +164,7 @@ struct Followed {
     // By a way that tells next to nothing, the place lies where it may.
     way.information = 1e-4 * Eigen::Matrix3d::Identity();
     robot.map.keyframes().back().odometry_edge = robot.map.graph().addEdge(way);
+    keyframes::test_maps::drawErrors(robot.map);
     loops.closeLoops();
   }
   static keyframes::GraphOptions optionsWith(double work, int confirmations) {
@@ -197,6 +200,7 @@ TEST(PlaceSearch, APlaceThatTheWayRulesOutIsNotWhereTheRobotIsExpected) {
     firm.from = before, firm.to = k, firm.T_from_to = core::between(map.pose(before), map.pose(k));
     firm.information = 1e6 * Eigen::Matrix3d::Identity();
     map.keyframes()[static_cast<size_t>(k)].odometry_edge = map.graph().addEdge(firm);
+    keyframes::test_maps::drawErrors(map);
   };
   for (int k = 1; k <= robot.k; ++k) measureFirmly(k, k - 1);
   while (!loops.isFollowing()) loops.continueSearching();
@@ -220,6 +224,7 @@ TEST(PlaceSearch, InTheEndKeyframesThatLieFarApartConfirmAPlaceToo) {
     way.information = 1e-4 * Eigen::Matrix3d::Identity();
     robot.map.keyframes()[static_cast<size_t>(k)].odometry_edge = robot.map.graph().addEdge(way);
   }
+  keyframes::test_maps::drawErrors(robot.map);
   LoopCloser loops(robot.map);
   int moved = 0;
   loops.searchRemainingLoops(robot.k, [&] { ++moved; });

@@ -138,7 +138,7 @@ TEST(Marginals, AreASnapshot) {
   EXPECT_EQ(marginals.covariance(59), before);
 }
 
-TEST(Marginals, GiveALargeVarianceWhereRankIsLostAndThatIsAllowed) {
+TEST(Marginals, RefuseWhereRankIsLost) {
   PoseGraph graph;
   graph.addNode({});
   graph.addNode({});
@@ -149,10 +149,6 @@ TEST(Marginals, GiveALargeVarianceWhereRankIsLostAndThatIsAllowed) {
   edge.information << 1, 0, 0, 0, 1, 1, 0, 1, 1;
   graph.addEdge(edge);
   EXPECT_THROW(Marginals{graph}, core::MethodError);
-  const Eigen::Matrix3d covariance = Marginals(graph, Marginals::Open::kBounded).covariance(1);
-  EXPECT_NEAR(covariance(0, 0), 1, 1e-9);
-  EXPECT_GT(covariance(2, 2), 1e6);
-  EXPECT_LT(covariance(2, 2), 1e15);
 }
 
 TEST(Marginals, RefuseWhatIsNotDetermined) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <Eigen/Dense>
 
 #include "libslam/core/random.h"
@@ -136,6 +138,25 @@ TEST(BlockCholesky, DampingMultipliesTheDiagonal) {
   const Eigen::VectorXd expected = twin.dense.ldlt().solve(stacked(x));
   twin.sparse.solve(x);
   EXPECT_LT((stacked(x) - expected).cwiseAbs().maxCoeff(), kRounding * expected.cwiseAbs().maxCoeff());
+}
+
+// x = L^-T z: then x' A x = z' z, and so of every pair of columns.
+TEST(BlockCholesky, SpreadsColumnsSoThatTheMatrixMeasuresThemAsTheyWere) {
+  const Twin twin = randomMatrix(9, {{0, 3}, {3, 4}, {1, 2}, {7, 1}, {8, 0}, {5, 8}}, 5);
+  Twin factored = twin;
+  ASSERT_TRUE(factored.sparse.factorize());
+  std::vector<BlockCholesky::Columns> columns(9);
+  constexpr long kWidth = BlockCholesky::Columns::ColsAtCompileTime;
+  Eigen::MatrixXd before(27, kWidth), after(27, kWidth);
+  for (int row = 0; row < 9; ++row) {
+    for (int i = 0; i < 3 * kWidth; ++i)
+      columns[static_cast<size_t>(row)](i) = std::sin(1.0 + i + 50.0 * row);
+    before.middleRows<3>(3L * row) = columns[static_cast<size_t>(row)];
+  }
+  factored.sparse.spread(columns);
+  for (int row = 0; row < 9; ++row) after.middleRows<3>(3L * row) = columns[static_cast<size_t>(row)];
+  const Eigen::MatrixXd measured = after.transpose() * twin.dense * after;
+  EXPECT_LT((measured - before.transpose() * before).cwiseAbs().maxCoeff(), 1e-9);
 }
 
 TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {

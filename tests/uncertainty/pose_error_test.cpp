@@ -1,4 +1,4 @@
-// How sure keyframes' poses are: by hand in one dimension after the other.
+// What a matched pose errs by, from scan to scan: by hand in one dimension after the other.
 #include "libslam/uncertainty/pose_error.h"
 
 #include <gtest/gtest.h>
@@ -7,16 +7,13 @@
 
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/search.h"
-#include "libslam/posegraph/marginals.h"
 #include "tests/keyframes/drawn_map.h"
 
 namespace slam::uncertainty {
 namespace {
 
-using core::kPi;
 using Eigen::Matrix3d;
 using keyframes::GraphOptions;
-using keyframes::Keyframe;
 using keyframes::KeyframeMap;
 using keyframes::moved;
 using keyframes::test_maps::addKeyframe;
@@ -48,126 +45,116 @@ TEST(PoseError, OfATurnShowsAsAShiftFartherOff) {
   expectNear(moved(from, from), Matrix3d::Identity());
 }
 
-// Of a keyframe that has turned: in its own axes, as edges have it.
-TEST(PoseError, WhatIsKnownFromTheFirstViewIsInTheBodysAxes) {
-  KeyframeMap map{GraphOptions{}};
-  addRow(map, 1);
-  addKeyframe(map, {0, 0, 0.6}, roundRoom(5), 1, 0);
-  // No doubt of the first one; the second is sure along x of the map, and less along y.
-  map.keyframes()[1].covariance = diagonal(1e-4, 1e-2, 1e-5);
-  noteMatch(map, evidenceBy({{0, diagonal(100, 10, 50)}}), diagonal(1e-6, 1e-6, 1e-7));
-  EXPECT_EQ(map.keyframe(1).matched_to, 0);
-  Matrix3d R = Matrix3d::Identity();
-  R(0, 0) = R(1, 1) = std::cos(0.6), R(1, 0) = std::sin(0.6), R(0, 1) = -R(1, 0);
-  expectNear(map.keyframe(1).information, R.transpose() * diagonal(1e4, 1e2, 1e5) * R, 1);
+/// After a match that odometry's prior, map frame, takes part in.
+struct After {
+  PoseError error;
+  keyframes::ErrorSamples errors, own;  ///< own: what is new
+  After(const KeyframeMap& map, const scanmatch::MatchEvidence& evidence, const core::Pose2& here,
+        const Followed& before)
+      : error(errorAfterMatch(map, evidence,
+                              kInformationScale * evidence.information() + before.odometry.inverse())),
+        errors(errorsAfterMatch(map, evidence, error, here, before, 77)) {
+    own.addNew(error.noise + error.stays * before.odometry * error.stays.transpose(), 77);
+  }
+  /// Besides what is new.
+  Matrix3d inherited() const {
+    keyframes::ErrorSamples rest = errors;
+    rest.add(-Matrix3d::Identity(), own);
+    return rest.covariance();
+  }
+};
+
+keyframes::ErrorSamples drawn(const Matrix3d& covariance, std::uint64_t draw) {
+  keyframes::ErrorSamples result;
+  result.addNew(covariance, draw);
+  return result;
 }
 
-/// What is known after a match that odometry's prior, map frame, takes part in.
-PoseError after(const KeyframeMap& map, const scanmatch::MatchEvidence& evidence, const Matrix3d& prior,
-                const core::Pose2& here, const Before& before) {
-  return errorAfterMatch(map, evidence, kInformationScale * evidence.information() + prior, here, before);
-}
+/// Odometry that says next to nothing.
+const Matrix3d kNothing = 1e9 * Matrix3d::Identity();
 
 TEST(PoseError, WithoutAnyEvidenceIsThatOfBeforeAndOfTheStep) {
   KeyframeMap map{GraphOptions{}};
   addRow(map, 2);
   const Matrix3d odometry = diagonal(0.01, 0.02, 0.001);
-  const auto error =
-      after(map, {}, odometry.inverse(), {4, 0, 0}, {{1, 0, 0}, diagonal(0.1, 0.2, 0.04), odometry});
-  expectNear(error.noise, Matrix3d::Zero());
-  expectNear(error.stays, Matrix3d::Identity());
-  expectNear(error.least, odometry);
-  // Three metres on, the heading's error shows across: 9 times its variance.
-  Matrix3d expected = diagonal(0.11, 0.2 + 9 * 0.04 + 0.02, 0.041);
-  expected(1, 2) = expected(2, 1) = 3 * 0.04;
-  expectNear(error.covariance, expected);
+  const auto before = drawn(diagonal(0.1, 0.2, 0.04), 1);
+  const After after(map, {}, {4, 0, 0}, {{1, 0, 0}, before, odometry});
+  expectNear(after.error.noise, Matrix3d::Zero());
+  expectNear(after.error.stays, Matrix3d::Identity());
+  // Three metres on, the heading's error shows across.
+  const Matrix3d J = moved({1, 0}, {4, 0});
+  expectNear(after.inherited(), J * before.covariance() * J.transpose(), 1e-6);
+  expectNear(after.own.covariance(), drawn(odometry, 77).covariance());
 }
 
-// The match alone counts, as the prior is nearly nothing. What the first keyframe saw errs as this match
-// does, and its heading's error shows 2 m off.
+// The match alone counts. What the first keyframe saw errs as this match does, and the keyframe does not.
 TEST(PoseError, WithOneKeyframeIsThatOfBothViews) {
   KeyframeMap map{GraphOptions{}};
   addRow(map, 1);
   const auto evidence = evidenceBy({{0, diagonal(50, 50, 200)}});
-  const auto error = after(map, evidence, 1e-9 * Matrix3d::Identity(), {2, 0, 0},
-                           {{0, 0, 0}, diagonal(9, 9, 9), diagonal(1, 1, 1)});
-  expectNear(error.noise, diagonal(0.02, 0.02, 0.005), 1e-6);
-  expectNear(error.stays, Matrix3d::Zero(), 1e-6);
-  Matrix3d expected = diagonal(0.04, 0.04 + 4 * 0.005, 0.01);
-  expected(1, 2) = expected(2, 1) = 2 * 0.005;
-  expectNear(error.covariance, expected, 1e-6);
+  noteFirst(map, errorAfterMatch(map, evidence, kInformationScale * evidence.information()));
+  expectNear(map.keyframe(0).noise, diagonal(0.02, 0.02, 0.005), 1e-6);
+  EXPECT_LT(map.errorsOf(0).covariance().norm(), 1e-9);
+  const After after(map, evidence, {2, 0, 0}, {{0, 0, 0}, drawn(diagonal(9, 9, 9), 1), kNothing});
+  expectNear(after.error.noise, diagonal(0.02, 0.02, 0.005), 1e-6);
+  expectNear(after.error.stays, Matrix3d::Zero(), 1e-6);
+  // Its heading's error shows 2 m off.
+  const Matrix3d J = moved({0, 0}, {2, 0});
+  expectNear(after.inherited(), J * map.keyframe(0).surfaces.covariance() * J.transpose(), 1e-4);
+  addKeyframe(map, {1, 0, 0}, roundRoom(5), 1, 0);
+  noteFirst(map, PoseError{});
+  EXPECT_GT(map.keyframe(0).noise(0, 0), 0) << "and so it stays";
 }
 
-// Half of the weight each: the means' errors add up as if they had one cause, those of the match and of the
-// step by their squares.
+// Half of the weight each.
 TEST(PoseError, OfAMeanIsTheMeanOfTheErrors) {
   KeyframeMap map{GraphOptions{}};
   addRow(map, 2);
-  map.keyframes()[0].root = diagonal(0.3, 0.1, 0);
+  const auto of_view = drawn(diagonal(0.3, 0.1, 0.2), 1), before = drawn(diagonal(0.25, 0.04, 0.1), 2);
+  map.setErrors(0, of_view);
   const auto evidence = evidenceBy({{0, diagonal(50, 50, 50)}});
-  const Matrix3d prior = kInformationScale * diagonal(50, 50, 50);
-  const auto error =
-      after(map, evidence, prior, {0, 0, 0}, {{0, 0, 0}, diagonal(0.25, 0.04, 0), diagonal(0.1, 0.1, 0.1)});
-  expectNear(error.stays, 0.5 * Matrix3d::Identity());
-  expectNear(error.noise, diagonal(0.005, 0.005, 0.005));
-  expectNear(error.least, diagonal(0.03, 0.03, 0.03));
-  expectNear(error.covariance, diagonal(0.4 * 0.4 + 0.03, 0.15 * 0.15 + 0.03, 0.03));
+  const Matrix3d odometry = diagonal(0.1, 0.1, 0.1);  // a fifth of 50: as much as the match
+  const After after(map, evidence, {0, 0, 0}, {{0, 0, 0}, before, odometry});
+  expectNear(after.error.stays, 0.5 * Matrix3d::Identity());
+  expectNear(after.error.noise, diagonal(0.005, 0.005, 0.005));
+  // The match's noise, and a quarter of odometry's.
+  expectNear(after.own.covariance(), drawn(diagonal(0.03, 0.03, 0.03), 77).covariance(), 1e-6);
+  keyframes::ErrorSamples mean;
+  mean.add(0.5 * Matrix3d::Identity(), of_view), mean.add(0.5 * Matrix3d::Identity(), before);
+  expectNear(after.inherited(), mean.covariance(), 1e-6);
 }
 
-// Two views that share a past do not make it surer.
+// Two views that err alike, as they share a past, do not make it surer.
 TEST(PoseError, OfTwoViewsIsNoSmallerThanThatOfOne) {
   KeyframeMap map{GraphOptions{}};
   addRow(map, 3);
-  for (auto& keyframe : map.keyframes()) keyframe.root = diagonal(0.2, 0.2, 0);
-  const Matrix3d nothing = 1e-9 * Matrix3d::Identity();
-  const Before before{{0, 0, 0}, diagonal(1, 1, 1), diagonal(1, 1, 1)};
-  const auto one = after(map, evidenceBy({{0, diagonal(80, 80, 80)}}), nothing, {0, 0, 0}, before);
-  const auto two = after(map, evidenceBy({{0, diagonal(60, 60, 60)}, {1, diagonal(20, 20, 20)}}), nothing,
-                         {0, 0, 0}, before);
-  EXPECT_NEAR(one.covariance(0, 0), 0.04 + 1.0 / 80, 1e-6);
-  expectNear(two.covariance, one.covariance, 1e-6);
+  for (int k = 0; k < map.size(); ++k) map.setErrors(k, drawn(diagonal(0.04, 0.04, 0), 5));
+  const Followed before{{0, 0, 0}, drawn(diagonal(1, 1, 1), 6), kNothing};
+  const auto by_one = evidenceBy({{0, diagonal(80, 80, 80)}}),
+             by_two = evidenceBy({{0, diagonal(60, 60, 60)}, {1, diagonal(20, 20, 20)}});
+  const After one(map, by_one, {0, 0, 0}, before), two(map, by_two, {0, 0, 0}, before);
+  expectNear(one.inherited(), drawn(diagonal(0.04, 0.04, 0), 5).covariance(), 1e-5);
+  expectNear(two.errors.covariance(), one.errors.covariance(), 1e-5);
 }
 
-TEST(PoseError, AMatchIsNotedFromTheViewThatSaysMostOfThePosition) {
+// All that are matched to a view err by its noise alike.
+TEST(PoseError, AViewsNoiseIsTheSameForAllThatAreMatchedToIt) {
   KeyframeMap map{GraphOptions{}};
   addRow(map, 2);
-  addKeyframe(map, {2, 0, kPi / 2}, roundRoom(5), 2, 1);
-  map.keyframes()[0].covariance = diagonal(0.1, 0.1, 0.01);
-  map.keyframes()[1].covariance = diagonal(0.2, 0.2, 0.02);
-  Matrix3d now = diagonal(0.25, 0.22 + 0.02, 0.03);  // a metre from keyframe 1, whose heading errs
-  now(1, 2) = now(2, 1) = 0.02;
-  map.keyframes()[2].covariance = now;
-  const auto evidence = evidenceBy({{0, diagonal(1, 4, 900)}, {1, diagonal(5, 1, 1)}});
-  noteMatch(map, evidence, diagonal(1e-4, 1e-4, 1e-4));
-  const Keyframe& noted = map.keyframe(2);
-  EXPECT_EQ(noted.matched_to, 1);
-  // Grown by 0.05 along the map's x, which is the body's -y, by 0.02 along its y, and by 0.01 in heading.
-  expectNear(noted.information, diagonal(50, 20, 100), 1e-6);
-}
-
-TEST(PoseError, ANotedMatchTellsNoMoreThanAMatchCan) {
-  KeyframeMap map{GraphOptions{}};
-  addRow(map, 2);
-  map.keyframes()[0].covariance = map.keyframes()[1].covariance = diagonal(0.1, 0.1, 0);
-  map.keyframes()[1].covariance(0, 0) = 0.35;
-  noteMatch(map, evidenceBy({{0, diagonal(5, 5, 5)}}), diagonal(0.01, 0.02, 0.005));
-  EXPECT_EQ(map.keyframe(1).matched_to, 0);
-  expectNear(map.keyframe(1).information, diagonal(4, 50, 200), 1e-6);
-  // Nothing seen, nothing noted.
-  addKeyframe(map, {2, 0, 0}, roundRoom(5), 2, 1);
-  map.keyframes()[2].matched_to = -1;
-  noteMatch(map, {}, Matrix3d::Identity());
-  EXPECT_EQ(map.keyframe(2).matched_to, -1);
+  map.keyframes()[0].noise = diagonal(0.5, 0.5, 0.1);
+  map.setErrors(0, {});
+  const auto evidence = evidenceBy({{0, diagonal(100, 100, 100)}});
+  const After after(map, evidence, {0, 0, 0}, {{0, 0, 0}, {}, kNothing});
+  expectNear(after.inherited(), map.keyframe(0).surfaces.covariance(), 1e-5);
+  EXPECT_GT(after.inherited()(0, 0), 0.2);
 }
 
 TEST(PoseError, IsRaisedWhereTheMatchAloneTellsLess) {
   PoseError error{};
-  error.noise = diagonal(1, 4, 1), error.least = diagonal(2, 5, 2), error.covariance = diagonal(7, 9, 3);
+  error.noise = diagonal(1, 4, 1);
   raiseNoise(error, diagonal(3, 1, 1));
   expectNear(error.noise, diagonal(3, 4, 1));
   expectNear(error.beyond, diagonal(2, 0, 0));
-  expectNear(error.least, diagonal(4, 5, 2));
-  expectNear(error.covariance, diagonal(9, 9, 3));
 }
 
 }  // namespace
