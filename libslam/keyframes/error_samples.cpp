@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::Matrix3d;
 
-/// A covariance from so many draws is divided by fewer: then the mean of its inverse is right (inverse Wishart
-/// distribution of three dimensions, its mean known).
+/// A covariance from so many draws is divided by fewer: then the mean of its inverse is right (inverse
+/// Wishart distribution of three dimensions, its mean known).
 constexpr double kDividedBy = ErrorSamples::kCount - 4;
 /// A pivot below this share of its variance is rounding.
 constexpr double kLeastPivot = 1e-12;

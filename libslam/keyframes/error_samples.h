@@ -8,9 +8,10 @@
 namespace slam::keyframes {
 
 /// What a pose may err by, drawn kCount times: x, y (m), phi (rad), map frame. Poses that take over each
-/// other's errors have them in common draw by draw, however many ways they came: so two that lie a metre apart
-/// are known to err alike, after a kilometre, too. Monte Carlo in place of covariances that would have to be
-/// kept of every pair (ensembles: Evensen, J. Geophys. Res. 99, 1994). For the rooms of graph SLAM only.
+/// other's errors have them in common draw by draw, however many ways they came: so two that lie a metre
+/// apart are known to err alike, after a kilometre, too. Monte Carlo in place of covariances that would have
+/// to be kept of every pair (ensembles: Evensen, J. Geophys. Res. 99, 1994). For the rooms of graph SLAM
+/// only.
 class ErrorSamples {
  public:
   static constexpr int kCount = 64;
@@ -19,8 +20,8 @@ class ErrorSamples {
   void clear();
   /// `share` times what another pose errs by comes to it.
   void add(const Eigen::Matrix3d& share, const ErrorSamples& other);
-  /// Something new comes to it. `draw`: whatever has the same number is drawn alike. REQUIRES a covariance, or
-  /// what rounding has left of it.
+  /// Something new comes to it. `draw`: whatever has the same number is drawn alike. REQUIRES a covariance,
+  /// or what rounding has left of it.
   void addNew(const Eigen::Matrix3d& covariance, std::uint64_t draw);
   Eigen::Vector3d sample(int i) const { return {at(0)[i], at(1)[i], at(2)[i]}; }
   void setSample(int i, const Eigen::Vector3d& error);

@@ -9,8 +9,8 @@
 #include "libslam/loops/loop_closer.h"
 #include "libslam/scanmatch/information.h"
 #include "libslam/uncertainty/error_flow.h"
-#include "libslam/uncertainty/inheriting.h"
 #include "libslam/uncertainty/error_sources.h"
+#include "libslam/uncertainty/inheriting.h"
 #include "libslam/uncertainty/pose_error.h"
 #include "libslam/uncertainty/relative_error.h"
 

@@ -49,8 +49,8 @@ class BlockCholesky {
 
   /// Solves in place. REQUIRES a factor, here and below.
   void solve(std::vector<Eigen::Vector3d>& b) const;
-  /// L^-T times columns, in place, a block of them per row: of independent draws with variance 1 it makes draws
-  /// whose covariance is the inverse.
+  /// L^-T times columns, in place, a block of them per row: of independent draws with variance 1 it makes
+  /// draws whose covariance is the inverse.
   using Columns = Eigen::Matrix<double, 3, 16>;
   void spread(std::vector<Columns>& columns) const;
   /// What solve() costs, as advance() counts.

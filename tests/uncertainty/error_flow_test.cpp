@@ -5,64 +5,28 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 
 #include "libslam/core/random.h"
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/search.h"
 #include "libslam/scanmatch/information.h"
-#include "tests/keyframes/drawn_map.h"
+#include "tests/uncertainty/pile.h"
 
 namespace slam::uncertainty {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using keyframes::GraphOptions;
 using keyframes::Inheritance;
 using keyframes::KeyframeMap;
 using keyframes::moved;
-using keyframes::test_maps::addKeyframe;
-using keyframes::test_maps::diagonal;
-using keyframes::test_maps::roundRoom;
 using scanmatch::kInformationScale;
-
-/// Of a match to these views that takes over all that they say, or the given share of it.
-Inheritance matchedTo(const std::vector<Inheritance::View>& views, const Matrix3d& own, double taken = 1) {
-  Matrix3d all = Matrix3d::Zero();
-  for (const auto& view : views) all += view.information.matrix();
-  Inheritance inherited;
-  inherited.views = views;
-  inherited.gain = taken * all.inverse();
-  inherited.own = own;
-  return inherited;
-}
-
-/// Keyframes in one place, so that no turn shows as a shift, each reached from the one before by odometry of
-/// 10 cm and 10 mrad.
-struct Pile {
-  KeyframeMap map{GraphOptions{}};
-  int add(const Inheritance& inherited, const core::Pose2& T = {}) {
-    const int k = map.size();
-    addKeyframe(map, T, roundRoom(5), k, -1);
-    map.keyframes().back().inherited = inherited;
-    if (k == 0) return k;
-    posegraph::Edge edge;
-    edge.from = k - 1, edge.to = k, edge.T_from_to = core::between(map.pose(k - 1), T);
-    edge.information = diagonal(100, 100, 1e4);
-    map.keyframes().back().odometry_edge = map.graph().addEdge(edge);
-    return k;
-  }
-  double x(int k, Poses poses = Poses::kTracked) const {
-    return ErrorFlow(map, poses).covariances()[static_cast<size_t>(k)](0, 0);
-  }
-  double between(int a, int b, Poses poses = Poses::kTracked) const {
-    return ErrorFlow(map, poses).relative(a, b)(0, 0);
-  }
-};
-
-const Matrix3d kHundred = diagonal(100, 100, 100), kOwn = diagonal(0.002, 0.002, 0.002);
+using test_maps::diagonal;
+using test_maps::kHundred;
+using test_maps::kOwn;
+using test_maps::matchedTo;
+using test_maps::Pile;
 
 // What the first saw errs by its points' noise, 1 / 100; that is the same for all that are matched to it.
 TEST(ErrorFlow, WhatOneKeyframeSawFirstErrsForAllAlike) {
@@ -324,100 +288,6 @@ TEST(ErrorFlow, OfFittedPosesIsThatOfLeastSquares) {
     const Matrix3d expected = covariance.block<3, 3>(3 * k, 3 * k);
     EXPECT_LT((told[static_cast<size_t>(k)] - expected).norm(), 1e-4 * expected.norm()) << k;
   }
-}
-
-/// A way with views before, odometry alone, and a loop.
-Pile windingWay() {
-  Pile pile;
-  pile.add({});
-  for (int k = 1; k < 12; ++k) {
-    Inheritance inherited =
-        matchedTo({{k - 1, diagonal(60, 90, 200)}, {std::max(k - 4, 0), kHundred}}, kOwn, 0.8);
-    if (k == 5) inherited = {};
-    inherited.points_err = k % 3 == 0 ? 2 : 1;
-    pile.add(inherited, {0.7 * k, 0.1 * k * k, 0.2 * k});
-  }
-  posegraph::Edge loop;
-  loop.from = 1, loop.to = 11, loop.T_from_to = core::between(pile.map.pose(1), pile.map.pose(11));
-  loop.information = diagonal(400, 300, 900), loop.kind = posegraph::EdgeKind::kLoop;
-  pile.map.addLoop({loop});
-  return pile;
-}
-
-// Who alone is matched to a view has its noise to itself anyhow.
-TEST(ErrorFlow, NoiseApartIsAddedToEachMatch) {
-  Pile chain, star;
-  chain.add({}), star.add({});
-  for (int k = 1; k <= 4; ++k)
-    chain.add(matchedTo({{k - 1, kHundred}}, kOwn)), star.add(matchedTo({{0, kHundred}}, kOwn));
-  const auto apart = [](const Pile& pile) {
-    return ErrorFlow(ErrorSources(pile.map), pile.map.graph().poses(), Poses::kTracked, ViewNoise::kApart);
-  };
-  EXPECT_NEAR(apart(chain).covariances()[4](0, 0), chain.x(4), 1e-9);
-  EXPECT_NEAR(apart(star).covariances()[4](0, 0), star.x(4), 1e-9);
-  EXPECT_NEAR(apart(star).relative(2, 3)(0, 0), 2 * (0.01 + 0.002), 1e-9)
-      << "and not what they have in common";
-}
-
-TEST(ErrorFlow, DrawsHaveItsCovariances) {
-  const Pile pile = windingWay();
-  const ErrorFlow flow(ErrorSources(pile.map), pile.map.graph().poses(), Poses::kTracked, ViewNoise::kApart);
-  constexpr int kTimes = 100;
-  Matrix3d of_pose = Matrix3d::Zero(), of_way = Matrix3d::Zero();
-  for (int time = 0; time < kTimes; ++time) {
-    std::vector<keyframes::ErrorSamples> errors(static_cast<size_t>(pile.map.size()));
-    for (size_t k = 1; k < errors.size(); ++k)
-      errors[k].addNew(Matrix3d::Identity(), 1000 * static_cast<std::uint64_t>(time) + k);
-    for (int piece = 0; piece < ErrorFlow::kPieces; ++piece) flow.draw(errors, piece);
-    EXPECT_EQ(errors[0].covariance(), Matrix3d::Zero());
-    of_pose += errors[7].covariance() / kTimes;
-    of_way += wayCovariance(errors[4], pile.map.pose(4), errors[9], pile.map.pose(9)) / kTimes;
-  }
-  const double larger = keyframes::ErrorSamples::kCount / (keyframes::ErrorSamples::kCount - 4.0);
-  const Matrix3d pose = larger * flow.covariances()[7], way = larger * flow.relative(4, 9);
-  EXPECT_LT((of_pose - pose).norm(), 0.05 * pose.norm());
-  EXPECT_LT((of_way - way).norm(), 0.05 * way.norm());
-}
-
-// Drawn keyframe by keyframe they are the same, where points have no noise.
-TEST(ErrorFlow, WhatIsInheritedOneByOneHasItsCovariances) {
-  Pile pile;
-  pile.add({});
-  for (int k = 1; k < 9; ++k) {
-    Inheritance inherited =
-        matchedTo({{k - 1, 1e6 * diagonal(60, 90, 200)}, {std::max(k - 4, 0), 1e6 * kHundred}}, kOwn, 0.8);
-    if (k == 5) inherited = {};
-    if (k == 7) inherited.before = 3;
-    pile.add(inherited, {0.7 * k, 0.1 * k * k, 0.2 * k});
-  }
-  constexpr int kTimes = 100;
-  Matrix3d of_pose = Matrix3d::Zero(), of_way = Matrix3d::Zero();
-  for (int time = 0; time < kTimes; ++time) {
-    for (int k = 1; k < 9; ++k)
-      pile.map.setErrors(
-          k, inheritedErrors(pile.map, k,
-                             1000 * static_cast<std::uint64_t>(time + 1) + static_cast<std::uint64_t>(k)));
-    of_pose += pile.map.errorsOf(8).covariance() / kTimes;
-    of_way += wayCovariance(pile.map.errorsOf(4), pile.map.pose(4), pile.map.errorsOf(8), pile.map.pose(8)) /
-              kTimes;
-  }
-  const double larger = keyframes::ErrorSamples::kCount / (keyframes::ErrorSamples::kCount - 4.0);
-  const ErrorFlow flow(pile.map, Poses::kTracked);
-  const Matrix3d pose = larger * flow.covariances()[8], way = larger * flow.relative(4, 8);
-  EXPECT_LT((of_pose - pose).norm(), 0.05 * pose.norm());
-  EXPECT_LT((of_way - way).norm(), 0.05 * way.norm());
-}
-
-// Of a map that grew and moved since nothing comes in.
-TEST(ErrorFlow, SourcesAreACopy) {
-  Pile pile = windingWay();
-  const ErrorSources sources(pile.map);
-  const auto poses = pile.map.graph().poses();
-  const auto before = ErrorFlow(pile.map, Poses::kTracked).relative(3, 10);
-  pile.add(matchedTo({{2, kHundred}}, kOwn));
-  pile.map.keyframes()[6].inherited = {};
-  pile.map.graph().setPose(4, {9, 9, 1});
-  EXPECT_EQ(ErrorFlow(sources, poses, Poses::kTracked, ViewNoise::kShared).relative(3, 10), before);
 }
 
 }  // namespace
