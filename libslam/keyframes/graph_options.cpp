@@ -70,7 +70,7 @@ Rows loopRows() {
       {"loop_confirm_m", &O::loop_confirm_m, 1.0, 0.0, 100.0, "over at least this path"},
       {"loop_distinctness", &O::loop_distinctness, 0.03, 0.0, 100.0,
        "sum over them of how much more they explain than moved along the place's open direction"},
-      {"loop_innovation", &O::loop_innovation, 60.0, 0.0, 1e9,
+      {"loop_innovation", &O::loop_innovation, 20.0, 0.0, 1e9,
        "a loop is wrong that lies farther, squared, from where the path between has it, in that path's "
        "standard deviations; up to twice that, unless many scans confirm it"},
       {"loop_work", &O::loop_work, 20.0, 1e-3, 1e9,

@@ -18,7 +18,7 @@ constexpr double kPausePerReach = 0.1, kRivalPause = 2;
 constexpr double kLeastDistance_m = 0.1;
 /// 95 of 100 right loops have no larger innovation (chi-square, three degrees of freedom). How many times as
 /// far others are followed, at most; and those that only a path allows for which is overconfident, up to so
-/// many times GraphOptions::loop_innovation, as many times as their innovation is larger: it takes 24 scans
+/// many times GraphOptions::loop_innovation, as many times as their innovation is larger: it takes 8 scans
 /// at least that all fit.
 constexpr double kLikelyInnovation = 7.8, kMostUnlikely = 4, kOverconfident = 2;
 /// Beyond that, what claims the same as such a loop is wrong as well: it moves the robot to the same place.
