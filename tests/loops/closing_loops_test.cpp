@@ -15,11 +15,17 @@ using keyframes::test_maps::addKeyframe;
 using keyframes::test_maps::drawErrors;
 using keyframes::test_maps::roundRoom;
 
+keyframes::GraphOptions gateAt60() {
+  keyframes::GraphOptions options;
+  options.loop_innovation = 60;
+  return options;
+}
+
 /// Keyframes in a row, half a metre apart by odometry of 10 cm and 10 mrad.
 struct Driven {
   keyframes::KeyframeMap map;
   LoopCloser loops{map};
-  explicit Driven(int count, const keyframes::GraphOptions& options = {}) : map(options) {
+  explicit Driven(int count, const keyframes::GraphOptions& options = gateAt60()) : map(options) {
     for (int k = 0; k < count; ++k) add();
   }
   int add() {
