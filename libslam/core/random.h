@@ -4,8 +4,17 @@
 
 namespace slam::core {
 
+/// 64 bits that look random, and the next state: splitmix64 (Steele, Lea and Flood, OOPSLA 2014). For what
+/// draws so much that a RandomStream would take too long.
+inline std::uint64_t splitmix64(std::uint64_t& state) {
+  std::uint64_t z = (state += 0x9e3779b97f4a7c15ULL);
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+  return z ^ (z >> 31);
+}
+
 /// An independent, reproducible stream of random numbers: xoshiro256** (Blackman and Vigna, ACM TOMS 47(4),
-/// 2021), its state filled by splitmix64 from (seed, name). The same seed and name give the same numbers on
+/// 2021), its state filled by splitmix64() from (seed, name). The same seed and name give the same numbers on
 /// every machine, compiler and build type; different names give unrelated numbers. One stream per consumer
 /// ("lidar", "odometry", "strategy", "particle 17"), constructed fresh: no globals, no sharing between
 /// threads.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/random.h"
 #include "libslam/keyframes/matching.h"
 
 namespace slam::keyframes {
@@ -16,15 +17,6 @@ constexpr double kDividedBy = ErrorSamples::kCount - 4;
 /// A pivot below this share of its variance is rounding.
 constexpr double kLeastPivot = 1e-12;
 
-/// The next of a row of 64 random bits each (splitmix64: Steele, Lea and Flood, OOPSLA 2014).
-std::uint64_t nextBits(std::uint64_t& state) {
-  state += 0x9e3779b97f4a7c15;
-  std::uint64_t z = state;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-  return z ^ (z >> 31);
-}
-
 /// Mean 0, variance 1, nearly normal: the sum of four uniform numbers.
 float drawn(std::uint64_t bits) {
   constexpr double kMean = 2 * 65535.0, kVariance = 4 * (65536.0 * 65536.0 - 1) / 12;
@@ -34,7 +26,7 @@ float drawn(std::uint64_t bits) {
   return (static_cast<float>(sum) - static_cast<float>(kMean)) * scale;
 }
 
-/// A lower triangular root.
+/// A lower triangular root; of directions without variance, nothing.
 Matrix3d lowerRootOf(const Matrix3d& covariance) {
   Matrix3d root = Matrix3d::Zero();
   for (int j = 0; j < 3; ++j) {
@@ -70,9 +62,9 @@ void ErrorSamples::add(const Matrix3d& share, const ErrorSamples& other) {
 void ErrorSamples::addNew(const Matrix3d& covariance, std::uint64_t draw) {
   const Matrix3d root = lowerRootOf(covariance);
   ErrorSamples normal;
-  std::uint64_t state = nextBits(draw);
+  std::uint64_t state = core::splitmix64(draw);
   for (Row& row : normal.rows_)
-    for (float& value : row) value = drawn(nextBits(state));
+    for (float& value : row) value = drawn(core::splitmix64(state));
   add(root, normal);
 }
 

@@ -71,8 +71,8 @@ Rows loopRows() {
       {"loop_distinctness", &O::loop_distinctness, 0.03, 0.0, 100.0,
        "sum over them of how much more they explain than moved along the place's open direction"},
       {"loop_innovation", &O::loop_innovation, 20.0, 0.0, 1e9,
-       "a loop is wrong that lies farther, squared, from where the path between has it, in that path's "
-       "standard deviations; up to twice that, unless many scans confirm it"},
+       "a loop is wrong that lies farther, squared, from where the path between has it, in four of that "
+       "path's standard deviations; up to twice that, unless many scans confirm it"},
       {"loop_work", &O::loop_work, 20.0, 1e-3, 1e9,
        "what a scan waits for at most while a place is searched for or all poses are found anew: million "
        "multiplications, 5 a millisecond; as many times as keyframe_distance_m lies between two scans"},

@@ -29,7 +29,7 @@ struct Keyframe {
   int odometry_edge;                          ///< from the one that it was reached from
   bool unsure = false;                        ///< no scan is matched to it: see tracking::Tracker
   bool is_retired = false;                    ///< nor to this one, for ever; nothing of its scan is kept
-  // how sure its pose is: see uncertainty::errorAfterMatch()
+  // how sure its pose is: see uncertainty::inheritedErrors()
   Eigen::Matrix3d noise;  ///< of its pose against the map as it was; map frame
   /// What the surfaces that it saw first err by in the map: its pose's error, see KeyframeMap::errorsOf(),
   /// and its noise, which is the same for all that are matched to them.

@@ -12,7 +12,7 @@ namespace slam::loops {
 /// from there to here, with its covariance, and the scans.
 ///
 /// Sources: innovation gates as in Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking
-/// and Navigation, 2001. Weighing places against each other, scan by scan, is ours.
+/// and Navigation, 2001. Weighing places against each other by scans and by how a way may err is ours.
 class LoopJudge {
  public:
   /// Of the keyframes' poses in the map, and how sure the way from the first to the second is: of the second
@@ -22,8 +22,8 @@ class LoopJudge {
       : poses_(poses), keyframes_(keyframes), way_(std::move(way)) {}
 
   /// How far a loop lies from where the way between has its keyframe: squared, in standard deviations of that
-  /// way and of the scans. Of chi-square's distribution with three degrees of freedom when it is right. Of
-  /// a loop that was asked before: what was said then.
+  /// way taken to err by four times what it claims, and of the scans. Of a loop that was asked before: what
+  /// was said then.
   double innovation(const keyframes::Hypothesis& loop);
   /// What lies beyond the map can be anything. Where the robot comes to the map from outside, its place may
   /// be one of those that the map says little of as yet.

@@ -31,34 +31,31 @@ void PoseUncertainty::carryOn(const Expected& e, const scanmatch::MatchResult& r
   const Eigen::Matrix3d odometry = step_variance_.of(assumed);
   noise_ = error.noise;
   noteFirst(*map_, error);
-  setErrors(errorsAfterMatch(*map_, evidence_, error, T, {e.T_before, errors_, odometry}, draws_++));
+  errors_ = errorsAfterMatch(*map_, evidence_, error, T, {e.T_before, errors_, odometry}, draws_++);
   from_keyframe_ = scanmatch::withoutNegatives(
       error.stays * (since * from_keyframe_ * since.transpose() + odometry) * error.stays.transpose(),
       keyframes::kLeastShare, 0);
   inheriting_.carryOn(error, since, odometry);
 }
 
-void PoseUncertainty::setErrors(const keyframes::ErrorSamples& errors) {
-  errors_ = errors;
-  covariance_ = scanmatch::withoutNegatives(errors_.covariance(), keyframes::kLeastShare, 0);
+Eigen::Matrix3d PoseUncertainty::covariance() const {
+  return scanmatch::withoutNegatives(errors_.covariance(), keyframes::kLeastShare, 0);
 }
 
 void PoseUncertainty::setCovariance(const Eigen::Matrix3d& covariance) {
-  keyframes::ErrorSamples errors;
-  errors.addNew(covariance, draws_++);
-  setErrors(errors);
+  errors_.clear();
+  errors_.addNew(covariance, draws_++);
 }
 
 void PoseUncertainty::inherit(int keyframe) {
-  setErrors(uncertainty::inheritedErrors(*map_, keyframe, draws_++));
+  errors_ = uncertainty::inheritedErrors(*map_, keyframe, draws_++);
 }
 
 void PoseUncertainty::restartFrom(int keyframe, const Pose2& T_map_robot) {
-  keyframes::ErrorSamples errors;
-  errors.add(keyframes::moved(core::position(map_->pose(keyframe)), core::position(T_map_robot)),
-             map_->errorsOf(keyframe));
-  errors.addNew(sinceKeyframe(keyframe), draws_++);
-  setErrors(errors);
+  errors_.clear();
+  errors_.add(keyframes::moved(core::position(map_->pose(keyframe)), core::position(T_map_robot)),
+              map_->errorsOf(keyframe));
+  errors_.addNew(sinceKeyframe(keyframe), draws_++);
 }
 
 Eigen::Matrix3d PoseUncertainty::toldInformation() const {

@@ -36,7 +36,7 @@ class PoseUncertainty {
   Eigen::Matrix3d sinceKeyframe(int keyframe) const;
 
   /// The robot is where it is told to be.
-  void restart() { setErrors({}), from_keyframe_.setZero(), inheriting_.begin(-1); }
+  void restart() { errors_ = {}, from_keyframe_.setZero(), inheriting_.begin(-1); }
   /// It is that of the newest keyframe: see uncertainty::inheritedErrors().
   void inherit(int keyframe);
   /// So it is since this keyframe's error was found anew.
@@ -47,14 +47,13 @@ class PoseUncertainty {
   /// Of a keyframe at the scan at hand.
   keyframes::Inheritance inheritance() const { return inheriting_.of(evidence_); }
   void setCovariance(const Eigen::Matrix3d& covariance);
-  void setErrors(const keyframes::ErrorSamples& errors);
   /// What the scan at hand was matched to is a place where the robot is not: odometry alone tells of its
   /// pose.
   void forgetViews() { evidence_.by_view.clear(), inheriting_.begin(-1); }
 
   const scanmatch::MatchEvidence& evidence() const { return evidence_; }
   const keyframes::ErrorSamples& errors() const { return errors_; }  ///< of the pose in the map
-  const Eigen::Matrix3d& covariance() const { return covariance_; }  ///< the same
+  Eigen::Matrix3d covariance() const;                                ///< of the same
   const Eigen::Matrix3d& noise() const { return noise_; }            ///< of one scan: its match
   /// What the scan at hand tells of its pose, over x, y (m) and phi (rad), map axes.
   Eigen::Matrix3d toldInformation() const;
@@ -66,7 +65,6 @@ class PoseUncertainty {
   uncertainty::Inheriting inheriting_;
   keyframes::ErrorSamples errors_;
   std::uint64_t draws_ = 1;  ///< of errors; each has its number
-  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d from_keyframe_ = Eigen::Matrix3d::Zero();  ///< by odometry alone, since the keyframe
   Eigen::Matrix3d noise_ = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d beyond_ = Eigen::Matrix3d::Zero();  ///< of noise_: what the match alone does not tell

@@ -12,7 +12,7 @@ namespace slam::uncertainty {
 /// kFitted: together, from all that was seen, see bundle::SurfaceBundle.
 enum class Poses { kTracked, kFitted };
 /// Whether the noise of a point is the same for all keyframes that are matched to it, or another for each:
-/// then there is half as much to find out, and poses that were tracked err hardly otherwise among themselves.
+/// then the system is half as large, and ways between poses that were tracked are hardly surer or less sure.
 enum class ViewNoise { kShared, kApart };
 
 /// How the errors of a map's keyframes hang together, by all that is known when this is made. Of poses that
@@ -26,8 +26,7 @@ enum class ViewNoise { kShared, kApart };
 ///
 /// So the errors are a sparse linear system, of two unknowns a keyframe: its pose, and the noise of what it
 /// saw first. Cost: one factorisation; memory: some kB a keyframe. A snapshot: later changes of the map do
-/// not reach it. What is open has a large variance. For
-/// the rooms of graph SLAM only.
+/// not reach it. What is open has a large variance. For the rooms of graph SLAM only.
 class ErrorFlow {
  public:
   /// Errors: MethodError when rounding leaves no factor.
