@@ -135,9 +135,11 @@ void GraphSlam::setOdometryRight() {
 void GraphSlam::addKeyframe(const lidar::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
                             const Eigen::Matrix3d& information) {
   const int k = map_->graph().addNode(T_map_robot);
+  const core::Point2 view_centre = keyframes::centreOf(points);
   map_->keyframes().push_back({map_->scan(),
                                scan,
                                std::move(points),
+                               view_centre,
                                map_->path_m(),
                                -1,
                                tracker_.isFollowingWheels(),

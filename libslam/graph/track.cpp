@@ -28,7 +28,7 @@ double worstShare(const MatchResult& result) {
 }  // namespace
 
 void GraphSlam::setMapHere() {
-  around().fillAround(anchor_, core::position(currentPose()));
+  around().fillAround(anchor_, currentPose());
 }
 
 /// Matches a scan to the map around, and deskews what its sweep still holds. Fills in its points and the

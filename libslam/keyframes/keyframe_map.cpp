@@ -106,6 +106,23 @@ std::vector<int> KeyframeMap::keyframesAround(int start, const Point2& centre, d
   return result;
 }
 
+std::vector<int> KeyframeMap::keyframesLookingAlike(int start, const Pose2& T_map_robot, double path_m,
+                                                    double radius_m, int most) const {
+  const Point2 here = core::position(T_map_robot), seen = T_map_robot * keyframe(start).view_centre;
+  std::vector<std::pair<double, int>> found;
+  for (const auto& [away2, k] : links_.around(graph_.poses(), start, here, path_m, radius_m)) {
+    if (!mayBeMatchedTo(k)) continue;
+    const double off_m = core::distance(graph_.pose(k) * keyframe(k).view_centre, seen);
+    found.emplace_back(away2 + off_m * off_m, k);
+  }
+  const auto count = std::min(found.size(), static_cast<size_t>(most));
+  std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count), found.end());
+  std::vector<int> result;
+  result.reserve(count);
+  for (size_t i = 0; i < count; ++i) result.push_back(found[i].second);
+  return result;
+}
+
 std::vector<int> KeyframeMap::keyframesLinkedWith(int start, double path_m) const {
   std::vector<int> result = links_.linkedWith(start, path_m);
   result.erase(std::remove_if(result.begin(), result.end(), [&](int k) { return !mayBeMatchedTo(k); }),

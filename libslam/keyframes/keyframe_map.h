@@ -79,6 +79,11 @@ class KeyframeMap {
   /// Those that are linked with `start`, see Links::around(), as far as they may be matched to.
   std::vector<int> keyframesAround(int start, const core::Point2& centre, double path_m,
                                    double radius_m) const;
+  /// The same, `most` of them, those first that a robot at this pose shares most of its view with: with a
+  /// lidar that looks ahead, not those nearest, if they look the other way. Nearness counts by places and by
+  /// the centres of views alike. The robot's view is taken to be that of `start`.
+  std::vector<int> keyframesLookingAlike(int start, const core::Pose2& T_map_robot, double path_m,
+                                         double radius_m, int most) const;
   /// The same by Links::linkedWith(): wherever they are, in no order.
   std::vector<int> keyframesLinkedWith(int start, double path_m) const;
   /// All keyframes within the radius, however they are linked, the nearest first.

@@ -33,6 +33,13 @@ std::vector<PatchPoint> pointsOf(const lidar::Scan& scan, const GraphOptions& o)
   return patchPoints(scan, options);
 }
 
+core::Point2 centreOf(const std::vector<PatchPoint>& points) {
+  core::Point2 sum;
+  for (const auto& point : points) sum.x += point.x, sum.y += point.y;
+  const auto count = static_cast<double>(std::max<size_t>(points.size(), 1));
+  return {sum.x / count, sum.y / count};
+}
+
 MatchResult match(const std::vector<PatchPoint>& points, const LevelMaps& maps, const Pose2& T_start,
                   const PosePrior& prior, double prior_kernel, bool with_coarse) {
   auto options = matchOptions(10);

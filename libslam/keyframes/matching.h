@@ -17,6 +17,8 @@ inline constexpr int kAskedViewers = 4;
 
 scanmatch::MatchOptions matchOptions(int max_iterations);
 std::vector<scanmatch::PatchPoint> pointsOf(const lidar::Scan& scan, const GraphOptions& options);
+/// (0, 0) without points.
+core::Point2 centreOf(const std::vector<scanmatch::PatchPoint>& points);
 /// From coarse to fine.
 scanmatch::MatchResult match(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
                              const core::Pose2& T_start, const scanmatch::PosePrior& prior,

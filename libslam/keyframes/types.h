@@ -25,6 +25,7 @@ struct Keyframe {
   int scan;  ///< counted from 0
   lidar::Scan seen;
   std::vector<scanmatch::PatchPoint> points;  ///< robot frame
+  core::Point2 view_centre;                   ///< their mean when it was added: where it looks; robot frame
   double path_m;                              ///< driven since the start
   int odometry_edge;                          ///< from the one that it was reached from
   bool unsure = false;                        ///< no scan is matched to it: see tracking::Tracker

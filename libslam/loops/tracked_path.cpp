@@ -66,6 +66,7 @@ void TrackedPath::insert(const std::vector<lidar::Scan>& seen, const Placed& pla
     const auto points = keyframes::pointsOf(scan, map_->options());
     keyframe.points.insert(keyframe.points.end(), points.begin(), points.end());
   }
+  keyframe.view_centre = keyframes::centreOf(keyframe.points);
   keyframe.scan = map_->scan();
   keyframe.seen = seen.front();
   keyframe.path_m = map_->path_m();

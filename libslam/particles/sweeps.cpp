@@ -10,10 +10,10 @@
 namespace slam::particles {
 
 /// The map of the keyframes around, made anew when another tells where the robot is.
-void Sweeps::lookAround(const core::Point2& centre) {
+void Sweeps::lookAround(const core::Pose2& T_map_robot) {
   const auto& map = past_->map();
   if (keyframes_ == map.size() && anchor_ == past_->anchor() && revision_ == map.revision()) return;
-  around_.fillAround(past_->anchor(), centre);
+  around_.fillAround(past_->anchor(), T_map_robot);
   keyframes_ = map.size(), anchor_ = past_->anchor(), revision_ = map.revision();
 }
 
@@ -22,7 +22,7 @@ std::optional<Sweeps::SetRight> Sweeps::setRight(const lidar::Scan& scan, const 
   const auto& options = past_->map().options();
   const bool is_deskewed = scan.deskewing.sweep.duration_s > 0 && scan.deskewing.period_s > 0;
   if (!is_deskewed || past_->anchor() < 0) return std::nullopt;
-  lookAround(core::position(T_before));
+  lookAround(T_before);
   const auto points = keyframes::pointsOf(scan, options);
   const tracking::Prediction step{told.T_previous_robot,
                                   std::sqrt(std::max(told.covariance(0, 0), told.covariance(1, 1))),

@@ -24,7 +24,7 @@ class Sweeps {
   std::optional<SetRight> setRight(const lidar::Scan& scan, const core::Pose2& T_before, const Motion& told);
 
  private:
-  void lookAround(const core::Point2& centre);
+  void lookAround(const core::Pose2& T_map_robot);
 
   const loops::TrackedPath* past_;
   tracking::LocalMap around_;

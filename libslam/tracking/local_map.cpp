@@ -14,9 +14,6 @@ using core::Pose2;
 using scanmatch::MatchResult;
 using scanmatch::PatchPoint;
 
-/// In keyframes' distances: there the map's keyframes lie where there are many.
-constexpr double kNear = 6;
-
 }  // namespace
 
 LocalMap::LocalMap(const keyframes::KeyframeMap& map)
@@ -24,22 +21,16 @@ LocalMap::LocalMap(const keyframes::KeyframeMap& map)
   map_->fill(maps_, {}, {});
 }
 
-void LocalMap::fill(const std::vector<int>& near, const Point2& centre) {
-  keyframes_ = keyframes::firstOf(near, options_->map_keyframes);
-  map_->fill(maps_, keyframes_, centre);
-}
-
-void LocalMap::fillAround(int keyframe, const Point2& centre) {
-  // Where there are many, those of the map lie close, and to look farther costs much.
-  auto near =
-      map_->keyframesAround(keyframe, centre, options_->map_path_m, kNear * options_->keyframe_distance_m);
-  if (static_cast<int>(near.size()) < options_->map_keyframes)
-    near = map_->keyframesAround(keyframe, centre, options_->map_path_m, options_->map_radius_m);
-  fill(near, centre);
+void LocalMap::fillAround(int keyframe, const Pose2& T_map_robot) {
+  keyframes_ = map_->keyframesLookingAlike(keyframe, T_map_robot, options_->map_path_m,
+                                           options_->map_radius_m, options_->map_keyframes);
+  map_->fill(maps_, keyframes_, core::position(T_map_robot));
 }
 
 void LocalMap::fillNear(const Point2& centre) {
-  fill(map_->keyframesWithin(centre, options_->map_radius_m), centre);
+  keyframes_ =
+      keyframes::firstOf(map_->keyframesWithin(centre, options_->map_radius_m), options_->map_keyframes);
+  map_->fill(maps_, keyframes_, centre);
 }
 
 double LocalMap::toldScore(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) const {

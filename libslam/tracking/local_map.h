@@ -15,11 +15,12 @@ class LocalMap {
   /// `map` has to stay where it is.
   explicit LocalMap(const keyframes::KeyframeMap& map);
 
-  /// Made anew of the keyframes around a place that are linked with one of them.
-  void fillAround(int keyframe, const core::Point2& centre);
-  /// The same of all there, however they are linked: of a map that is finished.
+  /// Made anew of the keyframes around a robot that are linked with one of them and see what it sees: see
+  /// keyframes::KeyframeMap::keyframesLookingAlike().
+  void fillAround(int keyframe, const core::Pose2& T_map_robot);
+  /// Of all around a place, however they are linked: of a map that is finished.
   void fillNear(const core::Point2& centre);
-  /// The nearest first.
+  /// The nearest first, see fillAround().
   const std::vector<int>& keyframes() const { return keyframes_; }
   const keyframes::LevelMaps& maps() const { return maps_; }
   /// Which keyframes the next one is tied to, whatever the maps were made of; until they are made anew.
@@ -42,8 +43,6 @@ class LocalMap {
   double knownShare(const Points& points, const core::Pose2& T_map_robot) const;
 
  private:
-  void fill(const std::vector<int>& near, const core::Point2& centre);
-
   const keyframes::KeyframeMap* map_;
   const keyframes::GraphOptions* options_;
   keyframes::LevelMaps maps_;

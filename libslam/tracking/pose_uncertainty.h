@@ -64,7 +64,7 @@ class PoseUncertainty {
   StepVariance step_variance_;
   uncertainty::Inheriting inheriting_;
   keyframes::ErrorSamples errors_;
-  std::uint64_t draws_ = 1;  ///< of errors; each has its number
+  std::uint64_t draws_ = 1;                                  ///< of errors; each has its number
   Eigen::Matrix3d from_keyframe_ = Eigen::Matrix3d::Zero();  ///< by odometry alone, since the keyframe
   Eigen::Matrix3d noise_ = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d beyond_ = Eigen::Matrix3d::Zero();  ///< of noise_: what the match alone does not tell

@@ -36,6 +36,7 @@ inline int addKeyframe(KeyframeMap& map, const core::Pose2& T_map_robot, const l
   keyframe.scan = 10 * map.size();
   keyframe.seen = seen;
   keyframe.points = pointsOf(seen, map.options());
+  keyframe.view_centre = centreOf(keyframe.points);
   keyframe.path_m = path_m;
   keyframe.odometry_edge = -1;
   keyframe.noise.setZero();

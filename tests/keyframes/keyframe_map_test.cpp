@@ -213,6 +213,28 @@ TEST(KeyframeMap, AFreeMatchFindsThePoseAndNeedsNoPrior) {
   }
 }
 
+// There and back along a corridor, with a lidar that looks ahead: what the robot sees on its way back was
+// seen from farther on.
+TEST(KeyframeMap, OfKeyframesThoseCountAsNearThatSeeTheSame) {
+  InRoom in;
+  in.walls = scanmatch_test::rectangle(-20, -1, 40, 1);
+  KeyframeMap map{GraphOptions{}};
+  const int count = 21;
+  for (int k = 0; k < count; ++k) addKeyframe(map, {k - 10.0, 0, 0}, in.at({k - 10.0, 0, 0}), 1.0 * k, k - 1);
+  const Pose2 T_back{0.2, 0.1, kPi};
+  const int back = addKeyframe(map, T_back, in.at(T_back), 31, 10);
+  const auto alike = map.keyframesLookingAlike(back, T_back, 25, 8, 5),
+             near = map.keyframesAround(back, {0.2, 0.1}, 25, 8);
+  ASSERT_EQ(alike.size(), 5U);
+  EXPECT_EQ(alike.front(), back);
+  EXPECT_EQ(near[1], 10);
+  const double seen_m = -2 * map.keyframe(0).view_centre.x;  // it looks so far past where the other one does
+  ASSERT_LT(seen_m, -2);
+  for (size_t i = 1; i < alike.size(); ++i) EXPECT_NEAR(map.pose(alike[i]).x, seen_m / 2, 2.2) << i;
+  // One that looks all round has its neighbours beside it.
+  EXPECT_EQ(map.keyframesLookingAlike(back, T_back, 25, 2.1, 50).size(), 5U);
+}
+
 TEST(KeyframeMap, AMapIsFilledAnewForEveryQuestion) {
   const InRoom in;
   const auto points = pointsOf(in.at({2, 2, 0.3}), in.map.options());

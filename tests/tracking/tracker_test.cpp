@@ -36,7 +36,7 @@ struct Room {
     for (int k = 0; k < 6; ++k)
       addKeyframe(map, {kHere.x + 0.1 * k - 0.3, kHere.y, kHere.phi},
                   look({kHere.x + 0.1 * k - 0.3, kHere.y, kHere.phi}, 0), 0.1 * k, k - 1);
-    tracker.around().fillAround(map.lastKeyframe(), core::position(kHere));
+    tracker.around().fillAround(map.lastKeyframe(), kHere);
   }
   static std::vector<scanmatch_test::Wall> withPillars() {
     auto walls = rectangle(0, 0, 8, 5);
@@ -285,7 +285,7 @@ TEST(LocalMap, PointsBeyondWhatWasSeenAreNotHeldAgainstAPose) {
   keyframes::KeyframeMap map{keyframes::GraphOptions()};
   for (int k = 0; k < 3; ++k) addKeyframe(map, kHere, room.look(kHere, 0), 0.1 * k, k - 1);
   LocalMap around(map);
-  around.fillAround(0, core::position(kHere));
+  around.fillAround(0, kHere);
   room.lidar.fov_rad = 6;
   const auto points = keyframes::pointsOf(room.look(kHere, 0), map.options());
   EXPECT_LT(around.knownShare(points, kHere), 0.5);
