@@ -39,7 +39,7 @@ Rows trackingRows() {
 
 Rows mapRows() {
   return {{"map_keyframes", &O::map_keyframes, 40, 1, 10000,
-           "a scan is matched to so many keyframes, the nearest"},
+           "a scan is matched to so many keyframes, those nearest by place and view"},
           {"map_radius_m", &O::map_radius_m, 8.0, 0.1, 1000.0, "within this distance"},
           {"map_path_m", &O::map_path_m, 25.0, 0.1, 1e6, "and this length of links"},
           {"edges_per_keyframe", &O::edges_per_keyframe, 8, 1, 100,

@@ -16,19 +16,26 @@ Eigen::Matrix3d moved(const Point2& from, const Point2& to) {
 }
 
 void PointNoise::add(const scanmatch::MatchEvidence& evidence) {
-  squared_ += evidence.squared, dimensions_ += evidence.dimensions;
+  squared_ += evidence.squared, pulled_ += evidence.pulled, dimensions_ += evidence.dimensions;
   for (size_t lag = 0; lag < lagged_.size(); ++lag) lagged_[lag] += evidence.lagged[lag];
 }
 
-/// With what neighbouring points have in common (Newey and West, Econometrica 55, 1987: triangular weights
-/// keep it positive).
 double PointNoise::variance() const {
-  if (!(dimensions_ > 0) || !(squared_ > 0)) return 1;
+  return dimensions_ > 0 && squared_ > 0 ? squared_ / dimensions_ * shared() : 1;
+}
+
+double PointNoise::varianceOfPull() const {
+  return dimensions_ > 0 && squared_ > 0 ? pulled_ / dimensions_ * shared() : 1;
+}
+
+/// By how much more sums of neighbouring points vary than if these were independent (Newey and West,
+/// Econometrica 55, 1987: triangular weights keep it positive).
+double PointNoise::shared() const {
   const double lags = static_cast<double>(lagged_.size()) + 1;
   double common = 1;
   for (size_t lag = 0; lag < lagged_.size(); ++lag)
     common += 2 * (1 - static_cast<double>(lag + 1) / lags) * lagged_[lag] / squared_;
-  return squared_ / dimensions_ * std::max(common, 1.0);
+  return std::max(common, 1.0);
 }
 
 /// A loop's edges were added in a row, some for each of its keyframes.

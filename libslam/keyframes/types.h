@@ -94,9 +94,12 @@ class PointNoise {
  public:
   void add(const scanmatch::MatchEvidence& evidence);
   double variance() const;
+  /// And of its pull on a match, which is the residual times the robust weight.
+  double varianceOfPull() const;
 
  private:
-  double squared_ = 0, dimensions_ = 0;
+  double shared() const;
+  double squared_ = 0, pulled_ = 0, dimensions_ = 0;
   std::array<double, scanmatch::MatchEvidence::kLags> lagged_{};
 };
 /// Keyframes from `begin` to the next part's; parts of one component have known places in one another.

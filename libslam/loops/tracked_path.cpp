@@ -109,6 +109,7 @@ scanmatch::MatchEvidence TrackedPath::evidenceFrom(const std::vector<int>& near,
     const Eigen::Vector3d along(placed.open->x, placed.open->y, 0);
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along * along.transpose();
     for (auto& view : evidence.by_view) view.information = across * view.information * across;
+    evidence.beyond_slope = across * evidence.beyond_slope * across;
   }
   return evidence;
 }

@@ -87,7 +87,9 @@ MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMa
 MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap& map, const core::Pose2& T,
                          double kernel, Walls walls) {
   MatchEvidence evidence;
+  constexpr double kNothing = 1e-12;
   const AtPose at_pose(map, T, kernel);
+  const double inverse_kernel2 = 1 / (kernel * kernel);
   std::array<double, MatchEvidence::kLags> before{};  // the newest first
   // Six numbers of each view's information, which is symmetric; by views in the order that they come.
   struct Told {
@@ -118,10 +120,20 @@ MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap&
       Told& one = told[last];
       one.xx += xx, one.xy += xy, one.yy += yy;
       one.xt += xt, one.yt += yt, one.tt += -b.ry * xt + b.rx * yt;
+      // The weight falls with the residual: 1 / (1 + q / k^2)^2. Of a point that is pulled less the farther
+      // it is off nothing is left of that direction.
+      const double steepness =
+          std::min(4 * inverse_kernel2 * b.w * std::sqrt(b.w), b.w / std::max(b.q, kNothing));
+      const Eigen::Vector3d pull(b.ax, b.ay, -b.ry * b.ax + b.rx * b.ay);
+      const Eigen::Matrix3d falls = steepness * pull * pull.transpose();
+      evidence.beyond_slope += falls;
+      one.xx -= falls(0, 0), one.xy -= falls(0, 1), one.yy -= falls(1, 1);
+      one.xt -= falls(0, 2), one.yt -= falls(1, 2), one.tt -= falls(2, 2);
       const double trace = surfel->xx + surfel->yy;
       const double det =
           static_cast<double>(surfel->xx) * surfel->yy - static_cast<double>(surfel->xy) * surfel->xy;
       evidence.squared += b.w * b.q;
+      evidence.pulled += b.w * b.w * b.q;
       evidence.dimensions += b.w * trace * trace / (trace * trace - 2 * det);
       residual = std::sqrt(b.w * b.q) * (b.nx * b.dx + b.ny * b.dy < 0 ? -1 : 1);
     }
@@ -138,7 +150,7 @@ MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap&
   return evidence;
 }
 
-Eigen::Matrix3d MatchEvidence::information() const {
+Eigen::Matrix3d MatchEvidence::slope() const {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const auto& one : by_view) sum += one.information;
   return sum;

@@ -35,9 +35,11 @@ MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMa
 /// What a scan tells of its pose, by the view (see SurfelMap::add()) that saw the surfaces first.
 struct ViewInformation {
   int view;
-  /// Over x, y (m) and phi (rad) in the map frame, as if points were independent, and without what the errors
-  /// of the surfels' directions feign (see SurfelMap::feignedBy()): along a bare corridor it is nothing give
-  /// or take a little, and may be below zero.
+  /// How firmly its surfaces hold the pose: over x, y (m) and phi (rad) in the map frame, as if points were
+  /// independent, and without what the errors of the surfels' directions feign (see SurfelMap::feignedBy()):
+  /// along a bare corridor it is nothing give or take a little, and may be below zero. A point that lies off
+  /// pulls the less the farther it is off, so that this is the slope of the robust pull, and less than its
+  /// weights times the surfels' information (Huber, Robust Statistics, 1981, on M-estimates).
   Eigen::Matrix3d information;
 };
 struct MatchEvidence {
@@ -47,7 +49,12 @@ struct MatchEvidence {
   static constexpr int kLags = 5;
   double squared = 0, dimensions = 0;
   std::array<double, kLags> lagged{};
-  Eigen::Matrix3d information() const;  ///< by all views
+  /// As `squared`, of the robust pulls: each residual counts its weight times as much.
+  double pulled = 0;
+  /// By how much those weights tell more than that slope.
+  Eigen::Matrix3d beyond_slope = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d slope() const;                                          ///< by all views
+  Eigen::Matrix3d information() const { return slope() + beyond_slope; }  ///< by the weights
 };
 /// kFacing: a wall of which the map knows the other side alone tells nothing. By how much its points are off,
 /// the wall's thickness, is the same for all, so that many of them are no surer than one; beside other walls

@@ -49,7 +49,7 @@ class PoseUncertainty {
   void setCovariance(const Eigen::Matrix3d& covariance);
   /// What the scan at hand was matched to is a place where the robot is not: odometry alone tells of its
   /// pose.
-  void forgetViews() { evidence_.by_view.clear(), inheriting_.begin(-1); }
+  void forgetViews() { evidence_.by_view.clear(), evidence_.beyond_slope.setZero(), inheriting_.begin(-1); }
 
   const scanmatch::MatchEvidence& evidence() const { return evidence_; }
   const keyframes::ErrorSamples& errors() const { return errors_; }  ///< of the pose in the map

@@ -8,7 +8,8 @@ namespace slam::uncertainty {
 using core::position;
 using Eigen::Matrix3d;
 
-ErrorSources::ErrorSources(const keyframes::KeyframeMap& map) : point_variance(map.pointNoise().variance()) {
+ErrorSources::ErrorSources(const keyframes::KeyframeMap& map)
+    : point_variance(map.pointNoise().varianceOfPull()) {
   const auto& edges = map.graph().edges();
   const auto count = static_cast<size_t>(map.size());
   inherited.reserve(count), noise.reserve(count), steps.reserve(count);

@@ -20,7 +20,7 @@ struct ErrorSources {
   std::vector<Eigen::Matrix3d> noise;             ///< as keyframes::Keyframe has it
   std::vector<Way> steps;                         ///< odometry's edge to each; of the first: none, all zero
   std::vector<Way> loops;                         ///< with the share of their information that they tell
-  double point_variance;                          ///< see keyframes::PointNoise
+  double point_variance;                          ///< see keyframes::PointNoise::varianceOfPull()
 };
 
 /// Of a keyframe's error, map frame: how much of another's pose's error it is.

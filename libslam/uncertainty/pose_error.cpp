@@ -1,5 +1,7 @@
 #include "libslam/uncertainty/pose_error.h"
 
+#include <Eigen/Cholesky>
+
 #include "libslam/keyframes/matching.h"
 #include "libslam/scanmatch/information.h"
 
@@ -8,16 +10,31 @@ namespace slam::uncertainty {
 using keyframes::KeyframeMap;
 using keyframes::moved;
 
+namespace {
+
+/// What really holds a matched pose: the slope of the robust pulls, and the prior. Where that is less than a
+/// tenth of what weights say, the match had not come to rest, and its weights count.
+Eigen::Matrix3d heldBy(const Eigen::Matrix3d& posterior_information,
+                       const scanmatch::MatchEvidence& evidence) {
+  constexpr double kLeast = 0.1;
+  const Eigen::Matrix3d held =
+      posterior_information - keyframes::matchOptions(1).information_scale * evidence.beyond_slope;
+  const Eigen::Matrix3d enough = held - kLeast * posterior_information;
+  return enough.llt().info() == Eigen::Success ? held : posterior_information;
+}
+
+}  // namespace
+
 PoseError errorAfterMatch(const KeyframeMap& map, const scanmatch::MatchEvidence& evidence,
                           const Eigen::Matrix3d& posterior_information) {
   const double scale = keyframes::matchOptions(1).information_scale;
-  const Eigen::Matrix3d S = scale * scanmatch::covarianceOf(posterior_information);
-  const Eigen::Matrix3d H = evidence.information();
+  const Eigen::Matrix3d S = scale * scanmatch::covarianceOf(heldBy(posterior_information, evidence));
   PoseError error;
   error.gain = S;
   error.beyond.setZero();
-  error.noise = scanmatch::withoutNegatives(map.pointNoise().variance() * S * H * S, 0, 0);
-  error.stays = Eigen::Matrix3d::Identity() - S * H;
+  error.noise =
+      scanmatch::withoutNegatives(map.pointNoise().varianceOfPull() * S * evidence.information() * S, 0, 0);
+  error.stays = Eigen::Matrix3d::Identity() - S * evidence.slope();
   return error;
 }
 

@@ -19,8 +19,9 @@ class PathScale {
   /// A step of the wheels (m, rad; in the robot's frame before it), its length set right.
   core::Pose2 corrected(const core::Pose2& T_wheels) const;
   /// A step: by corrected(), and as it was matched to a map; both in the robot's frame before it. `told`: of
-  /// what holds the match along the way, the scan's share, in [0, 1]; the rest is odometry's own word. Too
-  /// little ends the piece.
+  /// what holds the match along the way, the scan's share, in [0, 1]; the rest is odometry's own word. Where
+  /// scans are frequent each one tells little, and all together tell a piece: it begins and ends where
+  /// little of the way is left to odometry.
   void learn(const core::Pose2& T_corrected, const core::Pose2& T_matched, double told);
   /// Nothing is known of a step.
   void endPiece();
@@ -28,8 +29,11 @@ class PathScale {
   double factor() const { return factor_; }
 
  private:
+  void beginPiece();
   double factor_ = 1;
   core::Pose2 T_wheels_, T_matched_;  ///< along the piece at hand
+  double driven_m_ = 0;               ///< so far
+  double open_m_ = 0;                 ///< of what was driven, what scans have not told yet
   double way_m_ = 0, excess_m_ = 0;   ///< sums over the pieces, fading
   Scatter scatter_{0.01};             ///< m^2 per metre; assumed: 0.1 m on a metre
 };

@@ -26,9 +26,12 @@ TEST(PointNoise, IsOneAsLongAsNothingIsKnown) {
 TEST(PointNoise, IsTheMeanSquareOverAllScans) {
   PointNoise noise;
   scanmatch::MatchEvidence scan;
-  scan.squared = 30, scan.dimensions = 100;
+  EXPECT_EQ(noise.variance(), 1);
+  EXPECT_EQ(noise.varianceOfPull(), 1);
+  scan.squared = 30, scan.pulled = 20, scan.dimensions = 100;
   noise.add(scan);
   EXPECT_DOUBLE_EQ(noise.variance(), 0.3);
+  EXPECT_DOUBLE_EQ(noise.varianceOfPull(), 0.2);
   scan.squared = 270, scan.dimensions = 100;
   noise.add(scan);
   EXPECT_DOUBLE_EQ(noise.variance(), 1.5);
@@ -37,11 +40,12 @@ TEST(PointNoise, IsTheMeanSquareOverAllScans) {
 // Points that all err alike: weights 5/6, 4/6 ... 1/6 of the lags, twice, and the point itself.
 TEST(PointNoise, GrowsByWhatNeighboursHaveInCommon) {
   scanmatch::MatchEvidence scan;
-  scan.squared = scan.dimensions = 100;
+  scan.squared = scan.dimensions = 100, scan.pulled = 50;
   scan.lagged.fill(100);
   PointNoise alike;
   alike.add(scan);
   EXPECT_NEAR(alike.variance(), 6, 1e-9);
+  EXPECT_NEAR(alike.varianceOfPull(), 3, 1e-9);
   scan.lagged = {50, 0, 0, 0, 0};
   PointNoise near;
   near.add(scan);

@@ -44,6 +44,45 @@ TEST(SurfelMatcher, TheEvidenceIsTheInformationByTheViewsThatSawFirst) {
   EXPECT_GT(evidence.by_view[1].information.trace(), 5 * evidence.by_view[0].information.trace());
 }
 
+// A stiff prior gives way by the pull over its stiffness.
+TEST(SurfelMatcher, TheEvidencesSlopeIsThatOfThePull) {
+  core::RandomStream chance(5, "lidar");
+  const auto room = rectangle(-4, -3, 5, 3);
+  Lidar lidar;
+  lidar.noise_m = 0.03;
+  SurfelMap map(0.1, 0.01, true);
+  map.clear({}, 30);
+  for (int i = 0; i < 30; ++i) map.add(patchPoints(look(room, {}, lidar, chance), {}), {}, i);
+  MatchOptions once;
+  once.max_iterations = 1;
+  constexpr double kStiff = 1e12, kBeside_m = 1e-3;
+  const auto pullAt = [&](const std::vector<PatchPoint>& points, const core::Pose2& T) {
+    PosePrior stiff;
+    stiff.mean = T;
+    stiff.information = kStiff * Eigen::Matrix3d::Identity();
+    const auto moved = alignToSurfels(points, map, T, stiff, once).T_map_robot;
+    return Eigen::Vector2d(kStiff * (moved.x - T.x), kStiff * (moved.y - T.y));
+  };
+  Eigen::Vector2d slope(0, 0), by_slope(0, 0), by_weights(0, 0);
+  for (int i = 0; i < 50; ++i) {
+    const auto points = patchPoints(look(room, {}, lidar, chance), {});
+    slope.x() +=
+        (pullAt(points, {-kBeside_m, 0, 0}) - pullAt(points, {kBeside_m, 0, 0})).x() / (2 * kBeside_m);
+    slope.y() +=
+        (pullAt(points, {0, -kBeside_m, 0}) - pullAt(points, {0, kBeside_m, 0})).y() / (2 * kBeside_m);
+    const auto evidence = evidenceOf(points, map, {}, 3);
+    by_slope += evidence.slope().diagonal().head<2>();
+    by_weights += evidence.information().diagonal().head<2>();
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    EXPECT_GT(by_weights(axis), 1.3 * slope(axis));
+    // What is left: points that fall into the next cell are pulled by that one's surfel.
+    EXPECT_LT(by_slope(axis), 1.35 * slope(axis));
+    EXPECT_GT(by_slope(axis), 1.05 * slope(axis));
+    EXPECT_LT(by_slope(axis), 0.9 * by_weights(axis));
+  }
+}
+
 /// Walls next to parallel to an axis: along them a surfel, rounded, may tell less than nothing.
 TEST(SurfelMatcher, TheEvidenceOfFlatWallsIsFinite) {
   for (int tilt = 1; tilt <= 40; ++tilt) {

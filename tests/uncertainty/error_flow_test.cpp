@@ -113,7 +113,7 @@ TEST(ErrorFlow, ViewsErrByTheNoiseThatResidualsTell) {
   pile.add({});
   pile.add(matchedTo({{0, kHundred}}, kOwn));
   scanmatch::MatchEvidence scan;
-  scan.squared = 400, scan.dimensions = 100;
+  scan.squared = scan.pulled = 400, scan.dimensions = 100;
   pile.map.pointNoise().add(scan);
   EXPECT_NEAR(pile.x(1), 4 * 0.01 + 0.002, 1e-9);
   EXPECT_NEAR(pile.x(1, Poses::kFitted), 1 / (1 / 0.08 + 100), 1e-9) << "of both views, and odometry";

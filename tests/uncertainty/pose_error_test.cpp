@@ -106,6 +106,29 @@ TEST(PoseError, WithOneKeyframeIsThatOfBothViews) {
   EXPECT_GT(map.keyframe(0).noise(0, 0), 0) << "and so it stays";
 }
 
+// Points that lie off are pulled less the farther they are off: they move a match as their weights have it,
+// and hold it by less.
+TEST(PoseError, OfAMatchGoesByHowFirmlyItHolds) {
+  KeyframeMap map{GraphOptions{}};
+  addRow(map, 1);
+  auto evidence = evidenceBy({{0, diagonal(60, 100, 100)}});
+  evidence.beyond_slope = diagonal(40, 0, 0);
+  scanmatch::MatchEvidence residuals;
+  residuals.squared = 100, residuals.pulled = 50, residuals.dimensions = 100;
+  map.pointNoise().add(residuals);
+  const After firm(map, evidence, {0, 0, 0}, {{0, 0, 0}, {}, kNothing});
+  expectNear(firm.error.noise, 0.5 * diagonal(100.0 / (60 * 60), 0.01, 0.01), 1e-6);
+  expectNear(firm.error.stays, Matrix3d::Zero(), 1e-6);
+  // Odometry beside it, which is as sure as the weights have it.
+  const Matrix3d odometry = diagonal(1, 1, 1) / (kInformationScale * 100);
+  const After held(map, evidence, {0, 0, 0}, {{0, 0, 0}, {}, odometry});
+  expectNear(held.error.stays, diagonal(1 - 60.0 / 160, 0.5, 0.5), 1e-9);
+  // Of a match that had not come to rest more may be taken than there is.
+  evidence.by_view[0].information(0, 0) = -60, evidence.beyond_slope(0, 0) = 160;
+  const After loose(map, evidence, {0, 0, 0}, {{0, 0, 0}, {}, kNothing});
+  EXPECT_NEAR(loose.error.noise(0, 0), 0.5 / 100, 1e-9);
+}
+
 // Half of the weight each.
 TEST(PoseError, OfAMeanIsTheMeanOfTheErrors) {
   KeyframeMap map{GraphOptions{}};

@@ -51,6 +51,34 @@ TEST(PathScale, IsNotMovedByStandingWheelsThatJitterOrTurningOnesThatShift) {
   EXPECT_NEAR(path_scale.factor(), 1, 0.004);
 }
 
+TEST(PathScale, ManyScansTellWhatEachAloneDoesNot) {
+  EXPECT_NEAR(afterDriving(30, 0.0125, 1.05, 0, 0.1).factor(), 1 / 1.05, 1e-3);
+  EXPECT_EQ(afterDriving(30, 0.0125, 1.05, 0, 0.03).factor(), 1);
+}
+
+// Along a bare corridor the match goes where the wheels say, and is set right at its end.
+TEST(PathScale, TheWayFromOneTellingPlaceToTheNextCounts) {
+  PathScale path_scale;
+  for (int i = 0; i < 10; ++i) {
+    double ahead_m = 0;
+    for (int step = 0; step < 30; ++step) {
+      const core::Pose2 corrected = path_scale.corrected({1.05 * 0.1, 0, 0});
+      const bool is_told = step < 3 || step >= 27;
+      const double matched_m = is_told ? 0.1 - ahead_m : corrected.x;
+      ahead_m += matched_m - 0.1;
+      path_scale.learn(corrected, {matched_m, 0, 0}, is_told ? 0.95 : 0);
+    }
+  }
+  EXPECT_NEAR(path_scale.factor(), 1 / 1.05, 0.01);
+  // Of what it was when the pose was lost nothing is known.
+  PathScale lost;
+  for (int i = 0; i < 100; ++i) {
+    lost.endPiece();
+    for (int step = 0; step < 10; ++step) lost.learn({0.1, 0, 0}, {0.08, 0, 0}, step < 5 ? 0 : 0.3);
+  }
+  EXPECT_EQ(lost.factor(), 1);
+}
+
 TEST(PathScale, LearnsNothingFromWhatScansDoNotTell) {
   EXPECT_EQ(afterDriving(50, 0.1, 1.1, 0, 0.3).factor(), 1);
   // Nor across a gap.
