@@ -10,9 +10,9 @@ namespace {
 /// Wheels measure within this share of the true way, for a start; more than the second is no matter of scale.
 constexpr double kSigma = 0.03, kMost = 0.15;
 constexpr double kPiece_m = 0.5, kMostPiece_m = 5;
-/// At both ends of a piece so much of the pose is odometry's word at most: of steps of a tenth of a metre scans
-/// tell four tenths, or more. A longer step has to be told by its own scan: where scans are few, what one says
-/// after many untold metres may be wrong.
+/// At both ends of a piece so much of the pose is odometry's word at most: of steps of a tenth of a metre
+/// scans tell four tenths, or more. A longer step has to be told by its own scan: where scans are few, what
+/// one says after many untold metres may be wrong.
 constexpr double kOpen_m = 0.15;
 /// Wheels that stand, or jitter, say nothing of any direction.
 constexpr double kStands_m = 1e-3;
