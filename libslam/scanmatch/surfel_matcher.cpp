@@ -84,20 +84,34 @@ MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMa
   return result;
 }
 
+namespace {
+
+/// Six numbers of a view's information, which is symmetric.
+struct Told {
+  int view;
+  double xx = 0, xy = 0, yy = 0, xt = 0, yt = 0, tt = 0;
+};
+
+/// What a point's robust pull falls by with its distance, which it holds the less firmly for: its weight is
+/// 1 / (1 + q / k^2)^2. Of one that is pulled less the farther it is off nothing is left of that direction.
+Eigen::Matrix3d fallOf(const Beside& b, double inverse_kernel2) {
+  constexpr double kNothing = 1e-12;
+  const double steepness =
+      std::min(4 * inverse_kernel2 * b.w * std::sqrt(b.w), b.w / std::max(b.q, kNothing));
+  const Eigen::Vector3d pull(b.ax, b.ay, -b.ry * b.ax + b.rx * b.ay);
+  return steepness * pull * pull.transpose();
+}
+
+}  // namespace
+
 MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap& map, const core::Pose2& T,
                          double kernel, Walls walls) {
   MatchEvidence evidence;
-  constexpr double kNothing = 1e-12;
   const AtPose at_pose(map, T, kernel);
   const double inverse_kernel2 = 1 / (kernel * kernel);
   std::array<double, MatchEvidence::kLags> before{};  // the newest first
-  // Six numbers of each view's information, which is symmetric; by views in the order that they come.
-  struct Told {
-    int view;
-    double xx = 0, xy = 0, yy = 0, xt = 0, yt = 0, tt = 0;
-  };
-  std::vector<Told> told;
-  size_t last = 0;  // of these
+  std::vector<Told> told;                             // by views in the order that they come
+  size_t last = 0;                                    // of these
   for (const auto& point : points) {
     const Beside b = at_pose.beside(point);
     double residual = 0;
@@ -120,12 +134,7 @@ MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap&
       Told& one = told[last];
       one.xx += xx, one.xy += xy, one.yy += yy;
       one.xt += xt, one.yt += yt, one.tt += -b.ry * xt + b.rx * yt;
-      // The weight falls with the residual: 1 / (1 + q / k^2)^2. Of a point that is pulled less the farther
-      // it is off nothing is left of that direction.
-      const double steepness =
-          std::min(4 * inverse_kernel2 * b.w * std::sqrt(b.w), b.w / std::max(b.q, kNothing));
-      const Eigen::Vector3d pull(b.ax, b.ay, -b.ry * b.ax + b.rx * b.ay);
-      const Eigen::Matrix3d falls = steepness * pull * pull.transpose();
+      const Eigen::Matrix3d falls = fallOf(b, inverse_kernel2);
       evidence.beyond_slope += falls;
       one.xx -= falls(0, 0), one.xy -= falls(0, 1), one.yy -= falls(1, 1);
       one.xt -= falls(0, 2), one.yt -= falls(1, 2), one.tt -= falls(2, 2);
