@@ -256,7 +256,7 @@ class ParticleFilter {
   PathTree paths_;
   size_t best_ = 0;
   core::Pose2 T_inserted_, velocity_;
-  wheels::WheelCalibration wheels_;
+  wheels::WheelCalibration wheels_{wheels::Told::kByEach};
   wheels::Leaps leaps_;
   wheels::Silence silence_;
   wheels::WaySign way_sign_;

@@ -94,7 +94,7 @@ class Motion {
   keyframes::KeyframeMap* map_;
   const keyframes::GraphOptions* options_;
   core::Pose2 T_previous_robot_;
-  wheels::WheelCalibration wheels_;
+  wheels::WheelCalibration wheels_{wheels::Told::kByAll};
   wheels::Leaps leaps_;
   wheels::Silence silence_;
   wheels::WaySign way_sign_;

@@ -36,10 +36,10 @@ void PathScale::beginPiece() {
 void PathScale::learn(const core::Pose2& T_corrected, const core::Pose2& T_matched, double told) {
   const double step_m = core::hypot(T_corrected.x, T_corrected.y);
   if (!(step_m < kMostStep_m)) return endPiece();
-  const bool is_long = step_m > kOpen_m;
-  if (is_long && !(told >= kTold)) return endPiece();
-  const bool was_told = is_long || open_m_ <= kOpen_m;
-  if (is_long)
+  const bool tells_alone = told_ == Told::kByEach || step_m > kOpen_m;
+  if (tells_alone && !(told >= kTold)) return endPiece();
+  const bool was_told = tells_alone || open_m_ <= kOpen_m;
+  if (tells_alone)
     open_m_ = 0;
   else if (step_m > kStands_m)
     open_m_ = (open_m_ + step_m) * (told > 0 ? 1 - std::min(told, 1.0) : 1);

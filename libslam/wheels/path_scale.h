@@ -4,6 +4,11 @@
 
 namespace slam::wheels {
 
+/// Which steps teach. kByEach: those of which the scan told half. kByAll: where scans are frequent each one
+/// tells little, and all together tell a piece of the way. REQUIRES, then, shares without what bare walls
+/// only seem to tell (scanmatch::MatchEvidence): along a corridor that adds up.
+enum class Told { kByEach, kByAll };
+
 /// How long a metre of the wheels is, learnt while the robot drives: worn tyres and wrong radii make every
 /// step longer or shorter by the same share, which adds up where scans do not tell the way, along a bare
 /// corridor. Rotation is WheelHeading's.
@@ -16,12 +21,12 @@ namespace slam::wheels {
 /// Roy and Thrun, ICRA 1999, with the noise estimated.
 class PathScale {
  public:
+  explicit PathScale(Told told) : told_(told) {}
   /// A step of the wheels (m, rad; in the robot's frame before it), its length set right.
   core::Pose2 corrected(const core::Pose2& T_wheels) const;
   /// A step: by corrected(), and as it was matched to a map; both in the robot's frame before it. `told`: of
-  /// what holds the match along the way, the scan's share, in [0, 1]; the rest is odometry's own word. Where
-  /// scans are frequent each one tells little, and all together tell a piece: it begins and ends where
-  /// little of the way is left to odometry.
+  /// what holds the match along the way, the scan's share, in [0, 1]; the rest is odometry's own word. A
+  /// piece begins and ends where little of the way is left to that.
   void learn(const core::Pose2& T_corrected, const core::Pose2& T_matched, double told);
   /// Nothing is known of a step.
   void endPiece();
@@ -30,6 +35,7 @@ class PathScale {
 
  private:
   void beginPiece();
+  Told told_;
   double factor_ = 1;
   core::Pose2 T_wheels_, T_matched_;  ///< along the piece at hand
   double driven_m_ = 0;               ///< so far

@@ -8,6 +8,7 @@ namespace slam::wheels {
 /// the robot does not, and how far they scatter.
 class WheelCalibration {
  public:
+  explicit WheelCalibration(Told way_told) : scale_(way_told) {}
   /// A step of the wheels (m, rad; in the robot's frame before it), set right.
   core::Pose2 corrected(const core::Pose2& T_wheels) const;
   /// A step: by corrected(), and as it was matched to a map; both in the robot's frame before it. `way_told`

@@ -11,9 +11,10 @@ namespace slam::wheels {
 namespace {
 
 /// Wheels that report a true step times `scale`, with noise of so much on a metre, in steps of step_m.
-PathScale afterDriving(double way_m, double step_m, double scale, double noise_m, double told) {
+PathScale afterDriving(double way_m, double step_m, double scale, double noise_m, double told,
+                       Told by = Told::kByAll) {
   core::RandomStream chance(1, "wheels");
-  PathScale path_scale;
+  PathScale path_scale(by);
   for (double s = 0; s < way_m; s += step_m) {
     const double wheels_m = scale * step_m + noise_m * std::sqrt(step_m) * chance.normal();
     path_scale.learn(path_scale.corrected({wheels_m, 0, 0}), {step_m, 0, 0}, told);
@@ -22,7 +23,7 @@ PathScale afterDriving(double way_m, double step_m, double scale, double noise_m
 }
 
 TEST(PathScale, FindsHowLongAMetreIsAndSetsStepsRight) {
-  EXPECT_EQ(PathScale().factor(), 1);
+  EXPECT_EQ(PathScale(Told::kByAll).factor(), 1);
   const PathScale longer = afterDriving(30, 0.1, 1.05, 0, 0.9);
   EXPECT_NEAR(longer.factor(), 1 / 1.05, 1e-3);
   const core::Pose2 step = longer.corrected({1.05, -0.21, 0.3});
@@ -54,11 +55,13 @@ TEST(PathScale, IsNotMovedByStandingWheelsThatJitterOrTurningOnesThatShift) {
 TEST(PathScale, ManyScansTellWhatEachAloneDoesNot) {
   EXPECT_NEAR(afterDriving(30, 0.0125, 1.05, 0, 0.1).factor(), 1 / 1.05, 1e-3);
   EXPECT_EQ(afterDriving(30, 0.0125, 1.05, 0, 0.03).factor(), 1);
+  EXPECT_EQ(afterDriving(30, 0.0125, 1.05, 0, 0.4, Told::kByEach).factor(), 1);
+  EXPECT_NEAR(afterDriving(30, 0.0125, 1.05, 0, 0.5, Told::kByEach).factor(), 1 / 1.05, 1e-3);
 }
 
 // Along a bare corridor the match goes where the wheels say, and is set right at its end.
 TEST(PathScale, TheWayFromOneTellingPlaceToTheNextCounts) {
-  PathScale path_scale;
+  PathScale path_scale(Told::kByAll);
   for (int i = 0; i < 10; ++i) {
     double ahead_m = 0;
     for (int step = 0; step < 30; ++step) {
@@ -71,7 +74,7 @@ TEST(PathScale, TheWayFromOneTellingPlaceToTheNextCounts) {
   }
   EXPECT_NEAR(path_scale.factor(), 1 / 1.05, 0.01);
   // Of what it was when the pose was lost nothing is known.
-  PathScale lost;
+  PathScale lost(Told::kByAll);
   for (int i = 0; i < 100; ++i) {
     lost.endPiece();
     for (int step = 0; step < 10; ++step) lost.learn({0.1, 0, 0}, {0.08, 0, 0}, step < 5 ? 0 : 0.3);
@@ -82,7 +85,7 @@ TEST(PathScale, TheWayFromOneTellingPlaceToTheNextCounts) {
 TEST(PathScale, LearnsNothingFromWhatScansDoNotTell) {
   EXPECT_EQ(afterDriving(50, 0.1, 1.1, 0, 0.3).factor(), 1);
   // Nor across a gap.
-  PathScale path_scale;
+  PathScale path_scale(Told::kByAll);
   for (int i = 0; i < 100; ++i) {
     path_scale.learn({0.2, 0, 0}, {0.1, 0, 0}, 1);
     path_scale.endPiece();
@@ -91,7 +94,7 @@ TEST(PathScale, LearnsNothingFromWhatScansDoNotTell) {
 }
 
 TEST(PathScale, WheelsThatSlipNowAndThenHardlyCount) {
-  PathScale path_scale;
+  PathScale path_scale(Told::kByAll);
   for (int i = 0; i < 400; ++i) {
     const bool slips = i % 50 >= 45;
     path_scale.learn(path_scale.corrected({0.1, 0, 0}), {slips ? 0.0 : 0.1, 0, 0}, 1);

@@ -9,7 +9,7 @@ namespace slam::wheels {
 namespace {
 
 WheelCalibration afterDriving(int steps) {
-  WheelCalibration wheels;
+  WheelCalibration wheels(Told::kByAll);
   for (int i = 0; i < steps; ++i) {
     // Metres 4 % too short, and 0.05 rad to the right on each.
     const core::Pose2 step = wheels.corrected({0.576, 0, -0.03});
@@ -22,7 +22,7 @@ TEST(WheelCalibration, SetsMetresAndTurnsRightTogether) {
   const core::Pose2 step = afterDriving(200).corrected({0.576, 0, -0.03});
   EXPECT_NEAR(core::hypot(step.x, step.y), 0.6, 2e-3);
   EXPECT_NEAR(step.phi, 0, 1e-3);
-  EXPECT_LT(afterDriving(200).sigmaTurn_rad({1, 0, 0}), WheelCalibration().sigmaTurn_rad({1, 0, 0}));
+  EXPECT_LT(afterDriving(200).sigmaTurn_rad({1, 0, 0}), WheelCalibration(Told::kByAll).sigmaTurn_rad({1, 0, 0}));
 }
 
 TEST(WheelCalibration, NothingIsLearntOfStepsThatAreNotFinite) {
