@@ -231,7 +231,7 @@ TEST(KeyframeMap, OfKeyframesThoseCountAsNearThatSeeTheSame) {
   const double seen_m = -2 * map.keyframe(0).view_centre.x;  // it looks so far past where the other one does
   ASSERT_LT(seen_m, -2);
   for (size_t i = 1; i < alike.size(); ++i) EXPECT_NEAR(map.pose(alike[i]).x, seen_m / 2, 2.2) << i;
-  // One that looks all round has its neighbours beside it.
+  // However many are asked for: those within the radius.
   EXPECT_EQ(map.keyframesLookingAlike(back, T_back, 25, 2.1, 50).size(), 5U);
 }
 
