@@ -22,7 +22,8 @@ TEST(WheelCalibration, SetsMetresAndTurnsRightTogether) {
   const core::Pose2 step = afterDriving(200).corrected({0.576, 0, -0.03});
   EXPECT_NEAR(core::hypot(step.x, step.y), 0.6, 2e-3);
   EXPECT_NEAR(step.phi, 0, 1e-3);
-  EXPECT_LT(afterDriving(200).sigmaTurn_rad({1, 0, 0}), WheelCalibration(Told::kByAll).sigmaTurn_rad({1, 0, 0}));
+  EXPECT_LT(afterDriving(200).sigmaTurn_rad({1, 0, 0}),
+            WheelCalibration(Told::kByAll).sigmaTurn_rad({1, 0, 0}));
 }
 
 TEST(WheelCalibration, NothingIsLearntOfStepsThatAreNotFinite) {
