@@ -8,9 +8,9 @@
 namespace slam::scanmatch {
 namespace {
 
-/// Two faces of a wall have so many points each, at least, and their means are so many standard deviations
-/// apart, squared.
-constexpr double kLeastOfFace = 3, kApart2 = 4;
+/// Two faces of a wall have so many points each, at least, and their means are so many times as far apart,
+/// squared, as means of so many points err.
+constexpr double kLeastOfFace = 3, kApart2 = 9;
 /// Fewer points, each by its weight, say little of which way a wall runs: then a wider neighbourhood is
 /// pooled, evenly, if it is flat. With 5 to 12 here maps of sparse scans are about as good.
 constexpr double kFewPoints = 6;
@@ -153,12 +153,13 @@ bool SurfelMap::areTwoFaces(const Sums& front, const Sums& back) {
   const double dx = front.nx / front.n - back.nx / back.n, dy = front.ny / front.n - back.ny / back.n;
   const double apart =
       dx * (front.x / front.n - back.x / back.n) + dy * (front.y / front.n - back.y / back.n);
-  const auto variance = [&](const Sums& sums) {
+  const auto errs2 = [&](const Sums& sums) {
     const double mx = sums.x / sums.n, my = sums.y / sums.n;
-    return dx * dx * (sums.xx / sums.n - mx * mx) + 2 * dx * dy * (sums.xy / sums.n - mx * my) +
-           dy * dy * (sums.yy / sums.n - my * my);
+    return (dx * dx * (sums.xx / sums.n - mx * mx) + 2 * dx * dy * (sums.xy / sums.n - mx * my) +
+            dy * dy * (sums.yy / sums.n - my * my)) /
+           sums.n;
   };
-  return apart > 0 && apart * apart > kApart2 * (variance(front) + variance(back));
+  return apart > 0 && apart * apart > kApart2 * (errs2(front) + errs2(back));
 }
 
 /// Whether they lie along one wall, whichever side they were seen from.
